@@ -1,0 +1,1 @@
+"""equipoise designs balanced mechanisms: springs and counterweights that take the weight off motors."""

@@ -1,0 +1,1 @@
+"""What one adds to a mechanism: springs (path x law) and counterweights."""

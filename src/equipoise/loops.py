@@ -1,0 +1,218 @@
+"""Closed loops: the dependent joints and the transmission of all poses at once, on the branch of the reference."""
+
+from __future__ import annotations
+
+import weakref
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.assembly import Assembly, assemble
+from equipoise.errors import InputError, LoopError
+from equipoise.posture import Evaluator, qpos_width
+from equipoise.roadmap import Blocked, follow
+from equipoise.walk import Closed
+
+if TYPE_CHECKING:
+    from equipoise.mechanism import Mechanism
+
+_CHUNK = 16384
+_ROUNDING = 1e-11  # dimensionless residual beyond which a posture does not count as closed
+_known: weakref.WeakKeyDictionary[Mechanism, Assembly | None] = weakref.WeakKeyDictionary()
+
+
+def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = None) -> tuple[Array, Array]:
+    """Postures whose loops are closed, and how every joint follows the driven ones.
+
+        phi(q) = 0,   D = dq/dq_driven = -J_dependent^+ J_driven   in the rows of dependent joints
+
+    mechanism   phi are its model's active connect, weld, joint and tendon equalities
+    driven      (N, nd) positions of mechanism.driven, rad or m
+    start       (nq,) a closed posture to walk from instead of mechanism.reference; it names the branch
+    returns q   (N, nq), residual at rounding level, and
+            D   (N, nv, nd) in velocity coordinates; (1, nv, nd) without loops
+
+    Undriven joints that no loop determines keep mechanism.reference. Every pose is reached from the
+    reference in small steps that meet no singular posture, straight where possible, else by way of other
+    poses of the same call: this is what "the branch of the reference" means.
+
+    The singular value judged against mechanism.singularity is the n-th of the loop Jacobian with respect to
+    the n dependent dofs. It is dimensionless: lengths are divided by the largest distance between the joints
+    and joined points of the loops in the reference posture, angles are in rad.
+
+    Raises LoopError for a pose that does not close or lies beyond or within the margin of a singularity,
+    InputError for positions that are not finite or driven joints that contradict each other or are too few.
+    """
+    driven = _checked(mechanism, driven)
+    model, joints = mechanism.model, mechanism.driven_ids
+    selection = np.zeros((1, model.nv, len(joints)))
+    selection[0, model.jnt_dofadr[joints], np.arange(len(joints))] = 1.0
+    assembly = _assembly(mechanism)
+    home = mechanism.reference if assembly is None else assembly.home.q[0]
+    q = np.tile(home, (len(driven), 1))
+    q[:, model.jnt_qposadr[joints]] = driven
+    if assembly is None or not len(driven):
+        return q, selection
+    evaluate = Evaluator(model)
+    origin = assembly.home if start is None else _origin(mechanism, assembly, evaluate, start)
+    postures = _followed(mechanism, assembly, evaluate, origin, driven)
+    postures[:, model.jnt_qposadr[joints]] = driven
+    transmission = np.repeat(selection, len(driven), axis=0)
+    for first in range(0, len(driven), _CHUNK):
+        part = slice(first, first + _CHUNK)
+        closed = _refined(mechanism, assembly, evaluate, postures[part], driven[part])
+        q[part] = closed.q
+        transmission[part] += _transmission(assembly, closed, selection.shape)
+    return q, transmission
+
+
+def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
+    """How well postures q (N, nq) close: the gap (N,) in m and the singular value (N,) of `close_loops`.
+
+    The gap is the largest over the loops, angles counted at the characteristic length; without loops it is
+    zero and the singular value infinite.
+    """
+    assembly = _assembly(mechanism)
+    q = np.atleast_2d(np.asarray(q, dtype=float))
+    if assembly is None:
+        return np.zeros(len(q)), np.full(len(q), np.inf)
+    closed = assembly.loop.linearise(Evaluator(mechanism.model), q)
+    return _gap(assembly, closed), closed.sigma
+
+
+def _assembly(mechanism: Mechanism) -> Assembly | None:
+    if mechanism not in _known:
+        _known[mechanism] = assemble(mechanism)
+    return _known[mechanism]
+
+
+def _checked(mechanism: Mechanism, driven: Array) -> Array:
+    driven = np.asarray(driven, dtype=float)
+    if driven.ndim != 2 or driven.shape[1] != len(mechanism.driven):
+        raise InputError(
+            f"positions of {len(mechanism.driven)} driven joints are needed, got an array of shape {driven.shape}",
+            where=mechanism.name,
+            hint=f"columns are {', '.join(mechanism.driven) or 'none'}",
+        )
+    for name, joint in zip(mechanism.driven, mechanism.driven_ids, strict=True):
+        if qpos_width(mechanism.model, joint) > 1:
+            raise InputError(f"joint {name} cannot be driven: only hinges and slides can", where=mechanism.name)
+    bad = np.argwhere(~np.isfinite(driven))
+    if len(bad):
+        row, column = bad[0]
+        raise InputError(
+            f"position of {mechanism.driven[column]} in pose {row + 1} is {driven[row, column]}",
+            where=mechanism.name,
+            hint="give finite positions in rad or m",
+        )
+    return driven
+
+
+def _origin(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, start: Array) -> Closed:
+    # joints outside the loops stay at the reference during the walk, as they do for every pose
+    origin = assembly.home.q.copy()
+    loop, model = assembly.loop, mechanism.model
+    tied = np.concatenate([loop.dependent, loop.driven])
+    for joint in np.unique(model.dof_jntid[tied]):
+        place = slice(model.jnt_qposadr[joint], model.jnt_qposadr[joint] + qpos_width(model, joint))
+        origin[0, place] = start[place]
+    closed = loop.newton(evaluate, origin, goal=1e-13, turns=20)
+    if closed.worst[0] > _ROUNDING or closed.sigma[0] <= mechanism.singularity:
+        raise LoopError(
+            f"the start posture has a gap of {closed.worst[0] * loop.reach * 1e3:.4g} mm and singular value "
+            f"{closed.sigma[0]:.3g}",
+            where=mechanism.name,
+            hint="start from a posture that close_loops returned",
+        )
+    return closed
+
+
+def _followed(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, origin: Closed, driven: Array) -> Array:
+    """Postures (N, nq) on the branch; only joints that the loops bend are walked, each combination once."""
+    loop, model = assembly.loop, mechanism.model
+    bent = np.flatnonzero(assembly.curved)
+    if not bent.size:
+        return np.tile(origin.q, (len(driven), 1))
+    scale = loop.columns[loop.driven]
+    here = origin.q[0, model.jnt_qposadr[model.dof_jntid[loop.driven]]] / scale
+    wanted = driven[:, assembly.places] / scale
+    wanted[:, ~assembly.curved] = here[~assembly.curved]
+    targets, back = np.unique(wanted, axis=0, return_inverse=True)
+    result = follow(loop, evaluate, origin, here, targets)
+    if isinstance(result, Blocked):
+        raise _blocked(mechanism, assembly, evaluate, result, driven[int(np.argmax(back.ravel() == result.index))])
+    return result[back.ravel()]
+
+
+def _refined(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+    closed = assembly.loop.newton(evaluate, postures, goal=1e-15, turns=2)
+    worst = int(np.argmax(closed.worst))
+    if closed.worst[worst] > _ROUNDING:
+        raise LoopError(
+            f"the loops do not close at {pose_text(mechanism, driven[worst])}: the gap is "
+            f"{_gap(assembly, closed)[worst] * 1e3:.4g} mm",
+            where=mechanism.name,
+        )
+    least = int(np.argmin(closed.sigma))
+    if closed.sigma[least] <= mechanism.singularity:
+        raise LoopError(
+            f"the pose {pose_text(mechanism, driven[least])} is within the margin of a singularity: "
+            f"gap {_gap(assembly, closed)[least] * 1e3:.2g} mm, singular value {closed.sigma[least]:.3g} "
+            f"(margin {mechanism.singularity:g})",
+            where=mechanism.name,
+            hint=_advice(mechanism, assembly),
+        )
+    return closed
+
+
+def _transmission(assembly: Assembly, closed: Closed, shape: tuple[int, ...]) -> Array:
+    loop = assembly.loop
+    follow_up = closed.rate * loop.columns[loop.dependent][:, None] / loop.columns[loop.driven]
+    part = np.zeros((len(closed.q), *shape[1:]))
+    part[:, loop.dependent[:, None], assembly.places] = follow_up
+    return part
+
+
+def _gap(assembly: Assembly, closed: Closed) -> Array:
+    """Largest gap (N,) of any one equality, m."""
+    starts = np.cumsum([0] + [len(item.factor) for item in assembly.loop.equalities[:-1]])
+    return assembly.loop.reach * np.sqrt(np.add.reduceat(closed.error**2, starts, axis=1).max(axis=1))
+
+
+def pose_text(mechanism: Mechanism, driven: Array, only: NDArray[np.int_] | None = None) -> str:
+    """Driven positions (nd,) in words, degrees or millimetres; only names the columns to mention."""
+    columns = range(len(driven)) if only is None else [int(column) for column in only]
+    slides = [unit == "N" for unit in mechanism.driven_units]
+    values = [f"{driven[i] * 1e3:.4g} mm" if slides[i] else f"{np.degrees(driven[i]):.4g} deg" for i in columns]
+    return ", ".join(f"{mechanism.driven[i]} = {value}" for i, value in zip(columns, values, strict=True))
+
+
+def _advice(mechanism: Mechanism, assembly: Assembly, limit: str = "") -> str:
+    joints = " or ".join(mechanism.driven[i] for i in assembly.places[assembly.curved])
+    return f"reduce the range of {joints}{limit}, name another keyframe as `branch`, or lower the margin `singularity`"
+
+
+def _blocked(
+    mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, blocked: Blocked, driven: Array
+) -> LoopError:
+    """What stopped the walk to a pose: no closed posture there, or a singularity on every way."""
+    loop = assembly.loop
+    goal = loop.move(blocked.last.q, (blocked.target - blocked.stop)[None], loop.driven)
+    best = loop.newton(evaluate, goal, goal=_ROUNDING, turns=60)
+    gap = float(_gap(assembly, best)[0])
+    reached = driven.copy()
+    reached[assembly.places] = blocked.stop * loop.columns[loop.driven]
+    where, stop = assembly.places, pose_text(mechanism, reached, assembly.places)
+    if gap > _ROUNDING * loop.reach:
+        what = f"the loops do not close at {pose_text(mechanism, driven, where)}: the gap is {gap * 1e3:.4g} mm"
+    else:
+        what = f"a singularity bars the way to {pose_text(mechanism, driven, where)} (gap 0 mm there)"
+    more = f"; {blocked.others} more poses likewise" if blocked.others else ""
+    return LoopError(
+        f"{what}; the branch ends near {stop}, where the singular value is {blocked.lowest:.3g} "
+        f"(margin {mechanism.singularity:g}){more}",
+        where=mechanism.name,
+        hint=_advice(mechanism, assembly, f" to end before {stop}" if len(where) == 1 else ""),
+    )

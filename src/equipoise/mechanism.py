@@ -1,0 +1,175 @@
+"""A mechanism: a MuJoCo model and the names of its driven joints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from equipoise.affine import Affine, Array, Block
+from equipoise.errors import InputError, ModelError, nearest
+
+if TYPE_CHECKING:
+    from equipoise.states import States
+    from equipoise.sweep import Sweep
+
+WORLD = "world"
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point fixed in a body: `at` holds its coordinates in the body's own (URDF link) frame, m."""
+
+    body: str
+    at: tuple[Any, Any, Any] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """A MuJoCo model, its driven joints and the reference posture that names the assembly branch.
+
+    spec is the editable source of the file that a user takes away and model the compiled one;
+    reference (nq,) is the posture of joints that are held and the branch of those that loops drive;
+    singularity is the least admissible singular value of the loop Jacobian (lengths over their
+    characteristic length); remarks are what the mass audit has to say.
+    """
+
+    spec: mujoco.MjSpec
+    model: mujoco.MjModel
+    driven: tuple[str, ...]
+    reference: Array
+    name: str
+    remarks: tuple[str, ...] = ()
+    singularity: float = 1e-3
+    source: Path | None = field(default=None, compare=False)
+
+    @staticmethod
+    def load(
+        model: str | Path,
+        *,
+        driven: tuple[str, ...] | list[str] | None = None,
+        gravity: tuple[float, float, float] | list[float] | None = None,
+        branch: str | None = None,
+        search: tuple[str | Path, ...] | list[str | Path] = (),
+    ) -> Mechanism:
+        """Read a URDF or MJCF robot from a path or a `package://` address.
+
+        driven names the actuated joints (default: every hinge and slide that nothing else determines),
+        gravity (3,) in m/s^2 replaces the file's, branch names the keyframe that closes loops (default:
+        the model's zero posture), search lists folders for `package://`.
+        Raises ModelError naming the fault of the file, InputError for an unknown joint or keyframe.
+        """
+        from equipoise.models.load import load
+
+        return load(model, driven=driven, gravity=gravity, branch=branch, search=tuple(search))
+
+    def at(self, body: str, x: Any = 0.0, y: Any = 0.0, z: Any = 0.0) -> Point:
+        """A point of a body in its own frame, m; raises InputError for a body that does not exist."""
+        self.body_id(body)
+        return Point(body, (x, y, z))
+
+    def body_id(self, body: str) -> int:
+        """The number of a body in the compiled model; `world` is the base."""
+        index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, body)
+        if index < 0:
+            raise InputError(f"there is no body {body!r} in {self.name}", hint=nearest(body, self.bodies))
+        return index
+
+    def joint_id(self, joint: str) -> int:
+        """The number of a joint in the compiled model."""
+        index = mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, joint)
+        if index < 0:
+            raise InputError(f"there is no joint {joint!r} in {self.name}", hint=nearest(joint, self.joints))
+        return index
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of all bodies, the world first."""
+        return tuple(self.model.body(i).name for i in range(self.model.nbody))
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of all joints."""
+        return tuple(self.model.joint(i).name for i in range(self.model.njnt))
+
+    @property
+    def driven_ids(self) -> Array:
+        """Joint numbers of the driven joints (nd,)."""
+        return np.array([self.joint_id(name) for name in self.driven], dtype=int)
+
+    @property
+    def driven_units(self) -> tuple[str, ...]:
+        """Unit of the holding effort per driven joint: N m for a hinge, N for a slide."""
+        slide = mujoco.mjtJoint.mjJNT_SLIDE
+        return tuple("N" if self.model.jnt_type[i] == slide else "N m" for i in self.driven_ids)
+
+    @property
+    def driven_blocks(self) -> tuple[Block, ...]:
+        """One block per driven joint."""
+        return tuple(Block(name, unit) for name, unit in zip(self.driven, self.driven_units, strict=True))
+
+    @property
+    def box(self) -> Array:
+        """Joint limits of the driven joints (nd, 2), rad or m; an unlimited hinge runs from -pi to pi."""
+        limits = np.empty((len(self.driven), 2))
+        for row, joint in enumerate(self.driven_ids):
+            if self.model.jnt_limited[joint]:
+                limits[row] = self.model.jnt_range[joint]
+            elif self.model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
+                limits[row] = (np.nan, np.nan)
+            else:
+                limits[row] = (-np.pi, np.pi)
+        return limits
+
+    @property
+    def motor_limits(self) -> Array:
+        """Motor limit of each driven joint (nd,), N m or N; infinite where the file states none."""
+        limits = np.full(len(self.driven), np.inf)
+        for row, joint in enumerate(self.driven_ids):
+            if self.model.jnt_actfrclimited[joint]:
+                limits[row] = np.abs(self.model.jnt_actfrcrange[joint]).max()
+        return limits
+
+    @property
+    def gravity(self) -> Array:
+        """Gravity (3,), m/s^2, world axes."""
+        return np.array(self.model.opt.gravity)
+
+    @property
+    def mass(self) -> float:
+        """Total mass, kg."""
+        return float(self.model.body_mass.sum())
+
+    def states(self, sweep: Sweep) -> States:
+        """Close the loops and do the kinematics of a sweep once."""
+        from equipoise.states import States
+
+        return States.of(self, sweep)
+
+    def effort(self, states: States, goal: str) -> Affine:
+        """The mechanism's own share of a goal, without unknowns.
+
+        `hold`: tau = D^T (qfrc_bias - qfrc_spring) - sum m g . J, per driven joint (N, nd), N m or N;
+        `energy`: the potential of all weights and of springs already in the file (N, 1), J.
+        """
+        if goal == "hold":
+            return Affine.known(self.driven_blocks, states.holding)
+        if goal == "energy":
+            return Affine.known((Block("energy", "J"),), states.potential[:, None])
+        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy"]))
+
+    def with_model(self, spec: mujoco.MjSpec) -> Mechanism:
+        """The same mechanism over an edited spec whose joints are the same."""
+        return replace(self, spec=spec, model=compile_spec(spec, self.name))
+
+
+def compile_spec(spec: mujoco.MjSpec, name: str) -> mujoco.MjModel:
+    """Compile a spec; MuJoCo's own message becomes a ModelError."""
+    try:
+        return spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(f"MuJoCo refuses the model: {reason}", where=name) from None

@@ -1,0 +1,73 @@
+"""Inertias that MuJoCo refuses: the nearest one it takes, with the mass and its centre untouched."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.models.notices import some
+
+TOKEN_MASS = 1e-12
+"""kg given to a moving link without mass: above MuJoCo's 1e-15, and 1e-11 N of weight."""
+
+LEAST_INERTIA = 1e-12
+"""kg m^2: MuJoCo refuses eigenvalues below 1e-14."""
+
+_ROUNDING = 1e-8
+
+
+@dataclass
+class Repairs:
+    """Names of links whose inertia was replaced, by reason, and of those that got a token mass."""
+
+    triangle: list[str] = field(default_factory=list)
+    sign: list[str] = field(default_factory=list)
+    point: list[str] = field(default_factory=list)
+    massless: list[str] = field(default_factory=list)
+
+    def remarks(self) -> Iterator[str]:
+        """One sentence per reason."""
+        rest = "statics does not need it, dynamics must not trust it"
+        if self.triangle:
+            yield f"{_inertia(self.triangle)} not physical (A + B < C) and replaced; {rest}"
+        if self.sign:
+            yield f"{_inertia(self.sign)} not positive and replaced; {rest}"
+        if self.point:
+            yield f"{_inertia(self.point)} zero (a point mass) and set to {LEAST_INERTIA:g} kg m^2; {rest}"
+        if self.massless:
+            one = len(self.massless) == 1
+            subject = "moving link {} has" if one else "moving links {} have"
+            yield (
+                subject.format(some(self.massless))
+                + f" no mass in the file and got {TOKEN_MASS:g} kg each: check that their weight is not missing"
+            )
+
+
+def _inertia(names: list[str]) -> str:
+    return f"inertia of link {names[0]} was" if len(names) == 1 else f"inertias of links {some(names)} were"
+
+
+def valid_inertia(matrix: Array, name: str, repairs: Repairs) -> Array:
+    """The inertia matrix (3, 3), kg m^2, shifted by the least multiple of the identity that makes it valid.
+
+    Valid: eigenvalues A <= B <= C positive and A + B >= C. A shift keeps the principal axes.
+    """
+    A, B, C = np.linalg.eigvalsh(matrix)
+    floor = max(LEAST_INERTIA, 1e-9 * abs(C))
+    lift = max(0.0, floor - A)
+    # MuJoCo compares without tolerance: a plate printed to six digits fails at the last of them.
+    gap = C * (1.0 + 1e-10) - A - B
+    lift = max(lift, gap if gap > 0.0 else 0.0)
+    if not lift:
+        return matrix
+    scale = max(abs(A), abs(C))
+    if scale < LEAST_INERTIA:
+        repairs.point.append(name)
+    elif A < -_ROUNDING * scale or A <= 0.0:
+        repairs.sign.append(name)
+    elif gap > _ROUNDING * scale or A < floor:
+        repairs.triangle.append(name)
+    return matrix + lift * np.eye(3)

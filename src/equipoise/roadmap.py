@@ -1,0 +1,147 @@
+"""Many poses from one: a thin set of closed postures grows outwards, every other pose starts from its nearest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.posture import Evaluator
+from equipoise.walk import Closed, Loop, walk
+
+CELL = 0.25  # spacing of the thin set and width of a shell, rad or characteristic lengths
+ATTEMPTS = 6  # neighbours a pose is tried from before it counts as out of reach
+GROUP = 64
+_CHUNK = 16384
+
+
+@dataclass(frozen=True, eq=False)
+class Blocked:
+    """A pose that no walk reached: its number and target (k,), the last closed posture and where that stands.
+
+    lowest is the least singular value met on the way, others the number of further poses not reached.
+    """
+
+    index: int
+    target: Array
+    last: Closed
+    stop: Array
+    lowest: float
+    others: int
+
+
+class Roadmap:
+    """Closed postures with their driven positions (M, k), dimensionless; grows as walks arrive."""
+
+    def __init__(self, loop: Loop, evaluate: Evaluator, origin: Closed, here: Array) -> None:
+        self._loop, self._evaluate = loop, evaluate
+        self.closed, self.driven = origin, here[None]
+
+    def distance(self, targets: Array) -> Array:
+        """Distance (T,) of targets to the nearest closed posture."""
+        return self._nearest(targets, 1)[0][:, 0]
+
+    def reach(self, targets: Array, attempt: int = 0) -> tuple[NDArray[np.bool_], Closed, Array, Array]:
+        """Walk to targets (T, k) from their nearest posture but `attempt`.
+
+        Returns which arrived, where the walks ended, the driven positions there and the least singular values.
+        """
+        parents = self._nearest(targets, attempt + 1)[1][:, -1]
+        begin = self.driven[parents]
+        done = walk(self._loop, self._evaluate, self.closed.rows(parents), targets - begin)
+        stop = begin + done.share[:, None] * (targets - begin)
+        return done.arrived, done.closed, stop, done.lowest
+
+    def add(self, closed: Closed, driven: Array) -> None:
+        """Keep more closed postures."""
+        if len(driven):
+            self.closed = self.closed.join(closed)
+            self.driven = np.concatenate([self.driven, driven])
+
+    def _nearest(self, targets: Array, count: int) -> tuple[Array, NDArray[np.int_]]:
+        from scipy.spatial import KDTree
+
+        count = min(count, len(self.driven))
+        distance, index = KDTree(self.driven).query(targets, k=count)
+        shape = (len(targets), count)
+        return np.reshape(distance, shape), np.reshape(index, shape)
+
+
+def follow(loop: Loop, evaluate: Evaluator, origin: Closed, here: Array, targets: Array) -> Array | Blocked:
+    """Postures (T, nq) of driven targets (T, k) on the branch of the origin, or what bars the way.
+
+    here (k,) are the driven positions of the origin; all driven positions are dimensionless.
+    """
+    road = Roadmap(loop, evaluate, origin, here)
+    postures = np.empty((len(targets), origin.q.shape[1]))
+    thin = _thin(targets, here)
+    blocked = _grow(road, targets, here, thin, postures)
+    if blocked is not None:
+        return blocked
+    rest = np.setdiff1d(np.arange(len(targets)), thin)
+    late = []
+    for first in range(0, len(rest), _CHUNK):
+        part = rest[first : first + _CHUNK]
+        arrived, closed, _, _ = road.reach(targets[part])
+        postures[part[arrived]] = closed.q[arrived]
+        late.append(part[~arrived])
+    blocked = _insist(road, targets, np.concatenate(late), postures) if late else None
+    return postures if blocked is None else blocked
+
+
+def _thin(targets: Array, here: Array) -> NDArray[np.int_]:
+    """One target per cell of a grid, or all where cells hardly share."""
+    cells = np.round((targets - here) / CELL).astype(np.int64)
+    _, first = np.unique(cells, axis=0, return_index=True)
+    return first if 2 * len(first) < len(targets) else np.arange(len(targets))
+
+
+def _grow(road: Roadmap, targets: Array, here: Array, thin: NDArray[np.int_], postures: Array) -> Blocked | None:
+    """Close the thin set shell by shell outwards; what fails on the way is tried again from other neighbours."""
+    shells = np.floor(np.linalg.norm(targets[thin] - here, axis=1) / CELL).astype(int)
+    late: list[NDArray[np.int_]] = []
+    for shell in np.unique(shells):
+        ring = thin[shells == shell]
+        if late:  # beyond a wall only what touches the closed set is worth a walk now
+            near = road.distance(targets[ring]) < 3.0 * CELL
+            late.append(ring[~near])
+            ring = ring[near]
+        if not ring.size:
+            continue
+        arrived, closed, _, _ = road.reach(targets[ring])
+        keep = np.flatnonzero(arrived)
+        postures[ring[keep]] = closed.q[keep]
+        road.add(closed.rows(keep), targets[ring[keep]])
+        if len(keep) < len(ring):
+            late.append(ring[~arrived])
+    return _insist(road, targets, np.concatenate(late), postures) if late else None
+
+
+def _insist(road: Roadmap, targets: Array, late: NDArray[np.int_], postures: Array) -> Blocked | None:
+    """Try poses again, nearest first, each from several closed neighbours."""
+    while late.size:
+        late = late[np.argsort(road.distance(targets[late]), kind="stable")]
+        group, late = late[:GROUP], late[GROUP:]
+        first = None
+        for attempt in range(ATTEMPTS):
+            arrived, closed, stop, lowest = road.reach(targets[group], attempt)
+            keep = np.flatnonzero(arrived)
+            postures[group[keep]] = closed.q[keep]
+            road.add(closed.rows(keep), targets[group[keep]])
+            first = first or (group, closed, stop, lowest)
+            group = group[~arrived]
+            if not group.size:
+                break
+        if group.size and first:
+            row = np.flatnonzero(first[0] == group[0])
+            return Blocked(
+                index=int(group[0]),
+                target=targets[group[0]],
+                last=first[1].rows(row),
+                stop=first[2][row[0]],
+                lowest=float(first[3][row[0]]),
+                others=len(group) - 1 + len(late),
+            )
+    return None

@@ -1,0 +1,167 @@
+"""How good an answer is, recomputed from the problem's own data: primal, dual, gap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.solve.convex import Answer, Working, remainder, spread
+from equipoise.solve.program import Program, Term
+
+
+@dataclass(frozen=True, eq=False)
+class Multipliers:
+    """Prices at the optimum: per limit the sum over its rows, per unknown's bound, per term and block."""
+
+    limits: dict[str, float] = field(default_factory=dict)
+    lower: Array = field(default_factory=lambda: np.zeros(0))
+    upper: Array = field(default_factory=lambda: np.zeros(0))
+    share: dict[str, Array] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Gap:
+    """primal >= optimum >= dual; stationarity is what is left of the dual's equality, as a norm share."""
+
+    primal: float
+    dual: float
+    violation: float
+
+    @property
+    def gap(self) -> float:
+        """primal - dual, in the unit of the objective."""
+        return self.primal - self.dual
+
+
+@dataclass(eq=False)
+class _Columns:
+    """Multipliers with what each adds to the stationarity (P,) and to the dual value."""
+
+    slope: list[Array] = field(default_factory=list)
+    value: list[Array] = field(default_factory=list)
+    size: list[Array] = field(default_factory=list)
+
+    def add(self, slope: Array, value: Array, size: Array) -> int:
+        self.slope.append(np.atleast_2d(slope))
+        self.value.append(np.atleast_1d(value))
+        self.size.append(np.atleast_1d(np.asarray(size, dtype=float)))
+        return len(self.slope) - 1
+
+
+def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Multipliers]:
+    """Recompute primal and dual values from b, A, G, h and the multipliers.
+
+    dual = sum y . b - lambda . h - nu . f + bounds, with sum A' y + G' lambda + E' nu + bounds = 0 and the dual
+    norm of y at most each term's factor. The solver's multipliers are first moved onto that equality
+    (smallest relative change), then scaled into the dual norm's ball; signs are enforced.
+    """
+    theta = answer.theta
+    primal = program.objective(theta)
+    if not theta.size:
+        share = {term.name: _shares(term, working, answer, i) for i, term in enumerate(program.terms)}
+        return Gap(primal, primal, program.violation(theta)), Multipliers(share=share)
+    columns = _Columns()
+    for i, term in enumerate(program.terms):
+        _term_columns(columns, term, working, answer, i)
+    rows_at = []
+    for rows, chosen, multiplier in zip(program.rows, working.rows, answer.row, strict=True):
+        price = multiplier if rows.equality else np.maximum(multiplier, 0.0)
+        rows_at.append(columns.add(rows.G[chosen], -rows.h[chosen], price))
+    P = len(theta)
+    lower = columns.add(-np.eye(P), np.where(np.isfinite(program.lower), program.lower, 0.0), np.maximum(answer.lower, 0))
+    upper = columns.add(np.eye(P), np.where(np.isfinite(program.upper), -program.upper, 0.0), np.maximum(answer.upper, 0))
+    slope = np.concatenate([part.reshape(-1, P) for part in columns.slope])
+    value = np.concatenate(columns.value)
+    cuts = np.cumsum([len(part) for part in columns.size])[:-1]
+    size = np.concatenate(columns.size)
+    smooth = next((i for i, term in enumerate(program.terms) if term.norm == "rms" and answer.level[i] > 0), None)
+    if smooth is None:
+        size = _onto_stationarity(slope, size)
+    parts = np.split(size, cuts)
+    one_sided = [k for k, rows in zip(rows_at, program.rows, strict=True) if not rows.equality] + [lower, upper]
+    for k in one_sided:
+        parts[k] = np.maximum(parts[k], 0.0)
+    size = np.concatenate(parts)
+    leftover, gain = size @ slope, 0.0
+    norms = [_dual_norm(t, working, parts[2 * i], parts[2 * i + 1], answer, i) for i, t in enumerate(program.terms)]
+    if smooth is not None:
+        leftover, gain, norms[smooth] = _through_rms(program, answer, smooth, leftover)
+    excess = max(1.0, *norms)
+    caps = sum(price * term.cap for term, price in zip(program.terms, answer.cap, strict=True) if term.cap)
+    dual = (float(size @ value) + gain - caps - float(np.abs(leftover) @ np.abs(theta))) / excess
+    prices: dict[str, float] = {}
+    for k, rows in zip(rows_at, program.rows, strict=True):
+        prices[rows.limit] = prices.get(rows.limit, 0.0) + float(np.abs(parts[k]).sum() / excess)
+    share = {t.name: _shares(t, working, answer, i) for i, t in enumerate(program.terms)}
+    multipliers = Multipliers(prices, parts[lower] / excess, parts[upper] / excess, share)
+    # Zero residual bounds every norm from below.
+    return Gap(primal, max(dual, 0.0), program.violation(theta)), multipliers
+
+
+def _term_columns(columns: _Columns, term: Term, working: Working, answer: Answer, i: int) -> None:
+    """Two column groups per term: its working samples (or its one cone), and a mean term's remainder."""
+    if term.norm == "rms":
+        r = term.residual(answer.theta)
+        norm = max(term.value(answer.theta), 1e-300)
+        y = term.weight[:, None] * r / norm
+        columns.add(np.einsum("nr,nrp->p", y, term.A), float((y * term.b).sum()), answer.level[i])
+    else:
+        _, state, row = spread(term.sizes, working.terms[i])
+        columns.add(term.A[state, row], term.b[state, row], answer.y[i])
+    a, c = remainder(term, working.signs[i] if term.norm == "mean" else None, working.terms[i])
+    columns.add(a, c, answer.rest[i])
+
+
+def _onto_stationarity(slope: Array, size: Array) -> Array:
+    """Move multipliers onto slope' size = 0 by the smallest change relative to their own size."""
+    for _ in range(3):
+        residual = size @ slope
+        weighted = slope * (np.abs(size) ** 2)[:, None]
+        gram = slope.T @ weighted
+        size = size - np.abs(size) ** 2 * (slope @ (np.linalg.pinv(gram, rcond=1e-13, hermitian=True) @ residual))
+    return size
+
+
+def _through_rms(program: Program, answer: Answer, i: int, residual: Array) -> tuple[Array, float, float]:
+    """Take a stationarity residual up with y + W A z of an rms term, whose multipliers are dense.
+
+    Returns what is left of the residual, the change of the dual value and the new dual norm over its allowance.
+    """
+    term, factor = program.terms[i], program.terms[i].triangle
+    slope, known = factor[:, :-1] * program.scale, factor[:, -1]
+    step = slope @ np.linalg.lstsq(slope.T @ slope, -residual * program.scale, rcond=1e-14)[0]
+    direction = factor @ np.append(answer.theta, 1.0)
+    y = answer.level[i] * direction / max(float(np.linalg.norm(direction)), 1e-300) + step
+    allowance = answer.cap[i] if term.cap is not None else term.factor
+    norm = float(np.linalg.norm(y)) / allowance if allowance > 1e-12 else 1.0
+    return residual + factor[:, :-1].T @ step, float(step @ known), norm
+
+
+def _dual_norm(term: Term, working: Working, y: Array, rest: Array, answer: Answer, i: int) -> float:
+    """Dual norm of a term's multipliers over its allowance (the factor, or a cap's own price)."""
+    allowance = answer.cap[i] if term.cap is not None else term.factor
+    if allowance <= 1e-12:
+        return 1.0
+    if term.norm == "rms":
+        return float(abs(y[0])) / allowance
+    sample = spread(term.sizes, working.terms[i])[0]
+    magnitude = np.sqrt(np.bincount(sample, weights=y * y, minlength=len(working.terms[i])))
+    if term.norm == "peak":
+        return float(magnitude.sum()) / allowance
+    weight = np.maximum(term.weight[working.terms[i] // len(term.sizes)], 1e-300)
+    return max(float((magnitude / weight).max(initial=0.0)), float(abs(rest[0]))) / allowance
+
+
+def _shares(term: Term, working: Working, answer: Answer, i: int) -> Array:
+    """Which blocks hold the norm up: share (B,) of each in its multipliers."""
+    count = len(term.sizes)
+    if term.norm == "peak":
+        sample = spread(term.sizes, working.terms[i])[0]
+        magnitude = np.sqrt(np.bincount(sample, weights=answer.y[i] ** 2, minlength=len(working.terms[i])))
+        held = np.bincount(working.terms[i] % count, weights=magnitude, minlength=count)
+    else:
+        squares = term.magnitudes(term.residual(answer.theta)) ** (2 if term.norm == "rms" else 1)
+        held = term.weight @ squares
+    return held / max(held.sum(), 1e-300)

@@ -1,0 +1,198 @@
+"""Solve a Program on its worst samples, add what is violated, certify on all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.errors import EquipoiseError, InfeasibleError
+from equipoise.solve.certificate import Gap, Multipliers, certify
+from equipoise.solve.convex import Answer, Working, solve_restricted
+from equipoise.solve.polish import polish
+from equipoise.solve.program import Program, Term
+
+TOLERANCE = 1e-9
+ROUNDS = 60
+BATCH = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """theta (P,), the objective, its certificate and prices; excess is the elastic slack used."""
+
+    theta: Array
+    objective: float
+    gap: Gap
+    prices: Multipliers
+    excess: float
+    working: Working
+    flat: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+
+def solve(program: Program, *, elastic: float | None = None, warm: Working | None = None) -> Solution:
+    """Minimise the program's norms exactly, working on few samples and certifying on all of them.
+
+    elastic prices a common relative excess over all limits instead of refusing; warm starts from the
+    working set of a similar program. Raises InfeasibleError naming the limits that conflict.
+    """
+    start = least_squares(program)
+    working = _initial(program, start) if warm is None else _refresh(program, warm, start)
+    if _plain(program, start):
+        working = Working([np.zeros(0, dtype=int) for _ in program.terms], [np.zeros(0, dtype=int) for _ in program.rows],
+                          [None for _ in program.terms])
+        answer = _plain_answer(program, start)
+    else:
+        answer = _exchange(program, working, elastic)
+    gap, prices = certify(program, working, answer)
+    return Solution(answer.theta, gap.primal, gap, prices, answer.excess, working, _flat_directions(program))
+
+
+def least_squares(program: Program) -> Array:
+    """Minimum-norm theta of the weighted squares of all terms, limits left out; the start of every norm."""
+    if not program.unknowns:
+        return np.zeros(0)
+    scale = program.scale
+    factor = np.vstack([term.triangle for term in program.terms])
+    return scale * np.linalg.lstsq(factor[:, :-1] * scale, -factor[:, -1], rcond=1e-12)[0]
+
+
+def _plain(program: Program, theta: Array) -> bool:
+    """Whether least squares is already the answer: a single rms, or no residual at all, and no limit violated."""
+    if not theta.size and not program.rows:
+        return True
+    load = sum(term.factor * term.value(np.zeros_like(theta)) for term in program.terms)
+    single = len(program.terms) == 1 and program.terms[0].norm == "rms" and program.terms[0].cap is None
+    return (single or program.objective(theta) <= 1e-13 * load) and program.violation(theta) <= 1e-12
+
+
+def _plain_answer(program: Program, theta: Array) -> Answer:
+    answer = Answer(True, theta, lower=np.zeros_like(theta), upper=np.zeros_like(theta))
+    empty = np.zeros(0)
+    for term in program.terms:
+        answer.y.append(empty)
+        answer.rest.append(0.0)
+        answer.cap.append(0.0)
+        answer.level.append(term.factor if term.value(theta) > 0 else 0.0)
+    answer.row = [np.zeros(0) for _ in program.rows]
+    return answer
+
+
+def _exchange(program: Program, working: Working, elastic: float | None) -> Answer:
+    for _ in range(ROUNDS):
+        answer = solve_restricted(program, working, elastic)
+        if not answer.feasible:
+            from equipoise.solve.conflict import explain
+
+            raise InfeasibleError(explain(program), where="limits", hint="relax one of them, or free more geometry")
+        if elastic is None:
+            answer = polish(program, working, answer)
+        if not _grow(program, working, answer):
+            return answer
+    raise EquipoiseError(
+        f"the exchange did not settle in {ROUNDS} rounds", where="solve", hint="use norm rms, or fewer poses"
+    )
+
+
+def _initial(program: Program, theta: Array) -> Working:
+    """The worst samples at zero and at least squares, and for a mean term the samples whose sign is in doubt."""
+    terms: list[Array] = []
+    signs: list[Array | None] = []
+    for term in program.terms:
+        r = term.residual(theta)
+        sign = None
+        if term.norm == "rms":
+            chosen = np.zeros(0, dtype=int)
+        elif term.norm == "peak":
+            chosen = np.union1d(_worst(term, r), _worst(term, term.b))
+        elif all(size == 1 for size in term.sizes):
+            order = np.argsort(np.abs(r).ravel())
+            chosen = np.sort(order[: max(50, len(order) // 12)])
+            sign = np.sign(r).ravel()
+        else:
+            chosen = np.arange(r.shape[0] * len(term.sizes))
+        terms.append(chosen)
+        signs.append(sign)
+    rows = [
+        np.arange(len(rows.h)) if rows.equality else _worst_rows(rows.excess(theta), np.zeros(0, dtype=int), force=True)
+        for rows in program.rows
+    ]
+    return Working(terms, rows, signs)
+
+
+def _refresh(program: Program, warm: Working, theta: Array) -> Working:
+    """A known working set for a program of the same shape; the signs of mean terms are taken anew."""
+    fresh = _initial(program, theta)
+    terms = [np.union1d(old, new) if term.norm != "rms" else new
+             for term, old, new in zip(program.terms, warm.terms, fresh.terms, strict=True)]
+    rows = [np.union1d(old[old < len(spec.h)], new).astype(int)
+            for spec, old, new in zip(program.rows, warm.rows, fresh.rows, strict=True)]
+    return Working(terms, rows, fresh.signs)
+
+
+def _worst(term: Term, r: Array, count: int = BATCH) -> Array:
+    """Flat numbers of the worst few samples of every block, both signs of scalar ones."""
+    magnitude = term.magnitudes(r)
+    faces = [magnitude] if any(size > 1 for size in term.sizes) else [r, -r]
+    blocks = np.arange(len(term.sizes))
+    found = []
+    for face in faces:
+        top = np.argpartition(-face, min(count, len(face) - 1), axis=0)[:count]
+        found.append((top * len(term.sizes) + blocks).ravel())
+    return np.unique(np.concatenate(found))
+
+
+def _worst_rows(excess: Array, known: Array, force: bool = False) -> Array:
+    """Known rows and the few most violated others (or simply the tightest, when forced)."""
+    order = np.argsort(-excess)[:BATCH]
+    chosen = order if force else order[excess[order] > 0]
+    return np.union1d(known, chosen).astype(int)
+
+
+def _grow(program: Program, working: Working, answer: Answer) -> bool:
+    """Add violated samples and rows to the working set; say whether there were any."""
+    grew = False
+    for i, term in enumerate(program.terms):
+        if term.norm == "rms":
+            continue
+        r = term.residual(answer.theta)
+        if term.norm == "peak":
+            magnitude = term.magnitudes(r)
+            level = magnitude.ravel()[working.terms[i]].max(initial=0.0)
+            load = max(float(np.abs(term.b).max()), 1e-300)
+            if magnitude.max() > level * (1 + TOLERANCE) + 1e-13 * load:
+                worst = _worst(term, r)
+                worst = worst[magnitude.ravel()[worst] > level]
+                grown = np.union1d(working.terms[i], worst)
+                grew |= len(grown) > len(working.terms[i])
+                working.terms[i] = grown
+        elif working.signs[i] is not None:
+            flat = r.ravel()
+            wrong = flat * working.signs[i] < -1e-13 * np.abs(flat).max()
+            wrong[working.terms[i]] = False
+            if wrong.any():
+                near = np.argsort(np.abs(flat))[: max(50, len(flat) // 12)]
+                working.terms[i] = np.union1d(working.terms[i], near)
+                working.signs[i] = np.sign(flat)
+                grew = True
+    for k, rows in enumerate(program.rows):
+        if rows.equality or not len(rows.h):
+            continue
+        excess = rows.excess(answer.theta) / rows.scale - answer.excess
+        if excess.max() > TOLERANCE:
+            grown = _worst_rows(excess, working.rows[k])
+            grew |= len(grown) > len(working.rows[k])
+            working.rows[k] = grown
+    return grew
+
+
+def _flat_directions(program: Program) -> Array:
+    """Directions of theta (count, P) that change no residual: unknowns that trade freely."""
+    if not program.unknowns:
+        return np.zeros((0, 0))
+    scale = program.scale
+    factor = np.vstack([term.triangle[:, :-1] for term in program.terms]) * scale
+    _, singular, vectors = np.linalg.svd(factor)
+    rank = int((singular > 1e-10 * max(singular.max(initial=0.0), 1e-300)).sum())
+    return vectors[rank:] * scale

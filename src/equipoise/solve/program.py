@@ -1,0 +1,151 @@
+"""What a solver sees: norms of affine residuals to make small, linear rows to keep, bounds on unknowns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from equipoise.affine import Array, Unknown
+
+Norm = Literal["rms", "peak", "mean"]
+NORMS: tuple[Norm, ...] = ("rms", "peak", "mean")
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """factor * N(b + A theta), or the cap N(b + A theta) <= cap where one is given.
+
+    b (..., N, R), A (..., N, R, P) already divided by motor limits where asked; weight (N,) sums to one;
+    sizes (B,) rows per block; norms over states n and blocks B:
+    rms = sqrt(sum_n w_n sum_B |r_nB|^2), mean = sum_n w_n sum_B |r_nB|, peak = max_nB |r_nB|.
+    """
+
+    name: str
+    norm: Norm
+    b: Array
+    A: Array
+    weight: Array
+    sizes: tuple[int, ...]
+    factor: float = 1.0
+    cap: float | None = None
+
+    @cached_property
+    def triangle(self) -> Array:
+        """R (P + 1, P + 1), upper triangular, with |R [theta; 1]| equal to the rms norm of b + A theta."""
+        width = self.A.shape[-1] + 1
+        stacked = np.concatenate([self.A, self.b[..., None]], axis=-1) * np.sqrt(self.weight)[:, None, None]
+        factor = np.linalg.qr(stacked.reshape(-1, width), mode="r")
+        return np.vstack([factor, np.zeros((width - len(factor), width))])
+
+    def residual(self, theta: Array) -> Array:
+        """r (N, R)."""
+        return self.b + self.A @ theta
+
+    def magnitudes(self, r: Array) -> Array:
+        """Block norms (N, B) of a residual (N, R)."""
+        if all(size == 1 for size in self.sizes):
+            return np.abs(r)
+        starts = np.cumsum((0, *self.sizes[:-1]))
+        return np.sqrt(np.add.reduceat(r * r, starts, axis=-1))
+
+    def value(self, theta: Array) -> float:
+        """The norm at theta, without the factor."""
+        return norm_value(self.norm, self.magnitudes(self.residual(theta)), self.weight)
+
+
+def norm_value(norm: Norm, magnitudes: Array, weight: Array) -> float:
+    """A norm of block magnitudes (N, B) under weights (N,) that sum to one."""
+    if norm == "peak":
+        return float(magnitudes.max())
+    if norm == "rms":
+        return float(np.sqrt(weight @ (magnitudes**2).sum(-1)))
+    return float(weight @ magnitudes.sum(-1))
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """G theta <= h, or = h for equality rows, that one limit answers.
+
+    G (..., M, P) over the program's unknowns, h (..., M); limit says in words what is kept, unit is that
+    of h, state (M,) the sweep row behind each (-1: none); scale > 0 makes violations comparable.
+    """
+
+    limit: str
+    unit: str
+    G: Array
+    h: Array
+    unknowns: tuple[Unknown, ...] = ()
+    state: Array | None = None
+    equality: bool = False
+    scale: float = 1.0
+
+    def expand(self, unknowns: tuple[Unknown, ...]) -> Rows:
+        """The same rows over the program's list of unknowns."""
+        place = {unknown.name: index for index, unknown in enumerate(unknowns)}
+        wide = np.zeros((*self.h.shape, len(unknowns)), dtype=self.G.dtype)
+        wide[..., [place[unknown.name] for unknown in self.unknowns]] = self.G
+        return replace(self, G=wide, unknowns=unknowns)
+
+    def excess(self, theta: Array) -> Array:
+        """How far each row is beyond its limit (M,), in the limit's unit; negative is slack."""
+        gap = self.G @ theta - self.h
+        return np.abs(gap) if self.equality else gap
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """min sum of terms over theta, subject to caps, rows and the unknowns' own bounds."""
+
+    unknowns: tuple[Unknown, ...]
+    terms: tuple[Term, ...]
+    rows: tuple[Rows, ...] = ()
+
+    @cached_property
+    def scale(self) -> Array:
+        """Units (P,) in which every unknown moves the residuals, or else the limits, about equally."""
+        size = np.zeros(len(self.unknowns))
+        for term in self.terms:
+            factor = term.triangle
+            load = max(float(np.linalg.norm(factor[:, -1])), 1e-300)
+            size = np.maximum(size, np.linalg.norm(factor[:, :-1], axis=0) / load)
+        for rows in self.rows:
+            if rows.h.size:
+                size = np.where(size > 0, size, np.abs(rows.G).max(axis=0) / rows.scale)
+        return 1.0 / np.where(size > 0, size, 1.0)
+
+    @property
+    def lower(self) -> Array:
+        """Lower bounds (P,)."""
+        return np.array([unknown.lower for unknown in self.unknowns])
+
+    @property
+    def upper(self) -> Array:
+        """Upper bounds (P,)."""
+        return np.array([unknown.upper for unknown in self.unknowns])
+
+    def objective(self, theta: Array) -> float:
+        """The weighted sum of norms without caps."""
+        return sum(term.factor * term.value(theta) for term in self.terms if term.cap is None)
+
+    def violation(self, theta: Array) -> float:
+        """The largest scaled excess over rows, caps and bounds; zero where all are kept."""
+        worst = [0.0]
+        worst += [float(rows.excess(theta).max()) / rows.scale for rows in self.rows if rows.h.shape[-1]]
+        worst += [term.value(theta) / term.cap - 1 for term in self.terms if term.cap]
+        if len(theta):
+            span = np.maximum(1.0, np.abs(theta))
+            worst += [float(((self.lower - theta) / span).max()), float(((theta - self.upper) / span).max())]
+        return max(worst)
+
+    def take(self, index: int) -> Program:
+        """One candidate of a program with a leading candidate axis."""
+        terms = tuple(replace(t, b=_pick(t.b, 2, index), A=_pick(t.A, 3, index)) for t in self.terms)
+        rows = tuple(replace(r, G=_pick(r.G, 2, index), h=_pick(r.h, 1, index)) for r in self.rows)
+        return replace(self, terms=terms, rows=rows)
+
+
+def _pick(array: Array, rank: int, index: int) -> Array:
+    return array[index] if array.ndim > rank else array

@@ -1,0 +1,188 @@
+"""Kinematics of a sweep, computed once: positions, Jacobians in driven coordinates, weights, payloads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+
+from equipoise.affine import Array
+from equipoise.errors import InputError
+from equipoise.loops import close_loops
+from equipoise.mechanism import Mechanism, Point
+
+if TYPE_CHECKING:
+    from equipoise.sweep import Sweep
+
+
+@dataclass(frozen=True, eq=False)
+class Kinematics:
+    """What MuJoCo says of postures q (N, nq): every array has N rows.
+
+    xpos (N, nbody, 3), xmat (N, nbody, 3, 3), com (N, nbody, 3) the centre of the tree that cdof refers to,
+    cdof (N, nv, 6) angular then linear, bias and spring (N, nv), energy (N,).
+    """
+
+    q: Array
+    xpos: Array
+    xmat: Array
+    com: Array
+    cdof: Array
+    bias: Array
+    spring: Array
+    energy: Array
+
+
+def kinematics(model: mujoco.MjModel, q: Array) -> Kinematics:
+    """Forward kinematics, gravity and file springs of all postures on all cores."""
+    still = _bare(model)
+    batch = Batch(still, len(q))
+    batch.bind("qpos")[:] = q
+    names = ("xpos", "xmat", "subtree_com", "cdof", "qfrc_bias", "qfrc_spring", "energy")
+    xpos, xmat, com, cdof, bias, spring, energy = (batch.bind(name) for name in names)
+    batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
+    return Kinematics(
+        q=q,
+        xpos=np.array(xpos),
+        xmat=np.array(xmat).reshape(len(q), -1, 3, 3),
+        com=np.array(com)[:, model.body_rootid],
+        cdof=np.array(cdof).reshape(len(q), -1, 6),
+        bias=np.array(bias),
+        spring=np.array(spring),
+        energy=np.array(energy)[:, 0],
+    )
+
+
+def _bare(model: mujoco.MjModel) -> mujoco.MjModel:
+    """A copy that computes statics only: no constraints or contacts, potential energy on."""
+    import copy
+
+    bare = copy.copy(model)
+    bare.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    bare.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    return bare
+
+
+@dataclass(frozen=True, eq=False)
+class States:
+    """The states x of a sweep: N rows of posture, weight and payload with their kinematics.
+
+    driven (N, nd) positions of the driven joints; weight (N,) positive; payload_mass (N, K) kg of the
+    K payload points; D (N or 1, nv, nd) = dq/dq_driven, applied here and nowhere else.
+    """
+
+    mechanism: Mechanism
+    driven: Array
+    weight: Array
+    payload_points: tuple[Point, ...]
+    payload_mass: Array
+    kin: Kinematics
+    D: Array
+    _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
+
+    @staticmethod
+    def of(mechanism: Mechanism, sweep: Sweep) -> States:
+        """Close the loops of a sweep's poses and compute their kinematics, one row per pose and payload."""
+        driven, weight, payload_mass = sweep.rows()
+        q, transmission = close_loops(mechanism, driven)
+        kin = kinematics(mechanism.model, q)
+        points = tuple(payload.point for payload in sweep.payloads)
+        return States(mechanism, driven, weight, points, payload_mass, kin, transmission)
+
+    def __len__(self) -> int:
+        return len(self.driven)
+
+    def point(self, point: Point) -> tuple[Array, Array]:
+        """World position p (..., N, 3) and its Jacobian dp/dq_driven (..., N, 3, nd) of a body's point.
+
+        Coordinates may be complex or carry leading candidate axes (C, 1): position and Jacobian follow.
+        """
+        body = self.mechanism.body_id(point.body)
+        local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
+        xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
+        if local.ndim == 1:
+            arm = xmat @ local
+        else:
+            arm = (xmat @ local[..., None])[..., 0]
+        position = xpos + arm
+        linear, angular = self._twist(body)
+        offset = position - self.kin.com[:, body]
+        x, y, z = (offset[..., i, None] for i in range(3))
+        wx, wy, wz = (angular[:, i] for i in range(3))
+        turn = np.stack([wy * z - wz * y, wz * x - wx * z, wx * y - wy * x], axis=-2)
+        return position, linear + turn
+
+    def angle(self, joint: str) -> tuple[Array, Array]:
+        """Position (N,) of a hinge or slide and its Jacobian (N, nd)."""
+        index = self.mechanism.joint_id(joint)
+        model = self.mechanism.model
+        row = np.broadcast_to(self.D[:, model.jnt_dofadr[index]], self.driven.shape)
+        return self.kin.q[:, model.jnt_qposadr[index]], row
+
+    def rotation(self, body: str) -> tuple[Array, Array]:
+        """World rotation (N, 3, 3) of a body and its angular-velocity Jacobian (N, 3, nd)."""
+        index = self.mechanism.body_id(body)
+        return self.kin.xmat[:, index], self._twist(index)[1]
+
+    @property
+    def holding(self) -> Array:
+        """Holding effort of the bare mechanism and its payload (N, nd): D^T (bias - spring) - sum m g . J."""
+        free = np.squeeze((self.kin.bias - self.kin.spring)[:, None, :] @ self.D, axis=1)
+        for point, mass in zip(self.payload_points, self.payload_mass.T, strict=True):
+            free = free + self.weight_effort(point, mass)
+        return free
+
+    @property
+    def potential(self) -> Array:
+        """Potential energy (N,), J, of all weights, payloads and springs in the file."""
+        total = self.kin.energy.copy()
+        for point, mass in zip(self.payload_points, self.payload_mass.T, strict=True):
+            total = total + self.weight_energy(point, mass)
+        return total
+
+    def weight_effort(self, point: Point, mass: Any) -> Array:
+        """Holding effort (..., N, nd) of a point mass (kg, scalar or per row): -m g . J."""
+        _, jacobian = self.point(point)
+        lift = np.einsum("i,...ij->...j", -self.mechanism.gravity, jacobian)
+        return np.asarray(mass)[..., None] * lift
+
+    def weight_energy(self, point: Point, mass: Any) -> Array:
+        """Potential energy (..., N) of a point mass, J: -m g . p."""
+        position, _ = self.point(point)
+        return np.asarray(mass) * (position @ -self.mechanism.gravity)
+
+    def _twist(self, body: int) -> tuple[Array, Array]:
+        """Linear (at the tree's centre) and angular Jacobians (N, 3, nd) of a body in driven coordinates."""
+        if body not in self._bodies:
+            dofs = ancestors(self.mechanism.model, body)
+            if not dofs:
+                none = np.zeros((len(self), 3, self.driven.shape[1]))
+                self._bodies[body] = (none, none)
+            else:
+                motion = np.swapaxes(self.kin.cdof[:, dofs], 1, 2) @ self.D[:, dofs]
+                self._bodies[body] = (motion[:, 3:], motion[:, :3])
+        return self._bodies[body]
+
+
+def ancestors(model: mujoco.MjModel, body: int) -> list[int]:
+    """Degrees of freedom that move a body, root first."""
+    while body and model.body_dofnum[body] == 0:
+        body = int(model.body_parentid[body])
+    if not body:
+        return []
+    dof = int(model.body_dofadr[body] + model.body_dofnum[body] - 1)
+    chain = []
+    while dof >= 0:
+        chain.append(dof)
+        dof = int(model.dof_parentid[dof])
+    return chain[::-1]
+
+
+def check_finite(array: Array, what: str) -> None:
+    """Raise InputError naming the first row that is not a finite number."""
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        raise InputError(f"{what} is not a finite number in row {int(bad[0, 0]) + 1}")

@@ -1,0 +1,309 @@
+"""The weighted poses and payloads that matter: grid, Sobol sample, quadrature, or a file of poses."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.errors import InputError, nearest
+from equipoise.mechanism import Mechanism, Point
+from equipoise.units import Length, Mass, to_si
+
+MAX_POSES = 5_000_000
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A known point mass carried at `at` (m, link frame) of `body`; several masses are scenarios.
+
+    mass in kg, one number or several; masses given for the same point are alternatives, masses at
+    different points are combined.
+    """
+
+    body: str
+    mass: Mass | tuple[Mass, ...]
+    at: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
+
+    @property
+    def point(self) -> Point:
+        """Where the payload sits."""
+        return Point(self.body, self.at)
+
+    @property
+    def masses(self) -> tuple[float, ...]:
+        """All scenarios of this payload, kg."""
+        return tuple(self.mass) if isinstance(self.mass, tuple | list) else (self.mass,)
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """Weighted poses of the driven joints, crossed with payload scenarios.
+
+    poses (N, nd) rad or m; weight (N,) non-negative, a pose of weight 0 counts for peaks only; box (nd, 2)
+    the region that the poses stand for, or None for a bare list; payloads K points and scenarios (S, K) kg;
+    label says in words what was swept; sampled poses may be refined between the samples.
+    """
+
+    poses: Array
+    weight: Array
+    label: str
+    box: Array | None = None
+    sampled: bool = False
+    payloads: tuple[Payload, ...] = ()
+    scenarios: Array = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        if self.scenarios is None:
+            object.__setattr__(self, "scenarios", np.zeros((1, 0)))
+        if len(self.poses) == 0:
+            raise InputError("the sweep has no poses", where="sweep", hint="give at least one pose")
+        if len(self.poses) * len(self.scenarios) > MAX_POSES:
+            raise InputError(
+                f"the sweep has {len(self.poses) * len(self.scenarios)} rows, the limit is {MAX_POSES}",
+                where="sweep",
+                hint="use fewer points per joint, or sobol",
+            )
+
+    @staticmethod
+    def sobol(
+        mechanism: Mechanism,
+        n: int = 2048,
+        *,
+        seed: int = 0,
+        ranges: Mapping[str, Sequence[float]] | None = None,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """n scrambled Sobol poses over the joint limits, or over `ranges` {joint: (low, high)} where given."""
+        from scipy.stats import qmc
+
+        if n < 1:
+            raise InputError(f"a Sobol sweep needs at least one pose, got {n}", where="sweep.sobol")
+        box = _box(mechanism, ranges or {})
+        sampler = qmc.Sobol(len(mechanism.driven), scramble=True, rng=np.random.default_rng(seed))
+        unit = sampler.random_base2(max(0, math.ceil(math.log2(n))))[:n]
+        poses = box[:, 0] + unit * (box[:, 1] - box[:, 0])
+        label = f"{n} poses (Sobol, seed {seed})"
+        return _with_payload(mechanism, Sweep(poses, np.ones(n), label, box, sampled=True), payload)
+
+    @staticmethod
+    def grid(
+        mechanism: Mechanism,
+        axes: Mapping[str, Sequence[float]],
+        *,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """The full grid of {joint: (low, high, points)}, ends included, equal weights; other joints are held."""
+        ticks, box = _axes(mechanism, axes, lambda lo, hi, n: (np.linspace(lo, hi, n), np.ones(n)))
+        poses, weight = _tensor(ticks)
+        counts = " x ".join(f"{name} {len(ticks[mechanism.driven.index(name)][0])}" for name in axes)
+        return _with_payload(mechanism, Sweep(poses, weight, f"{len(poses)} poses (grid {counts})", box), payload)
+
+    @staticmethod
+    def quadrature(
+        mechanism: Mechanism,
+        axes: Mapping[str, Sequence[float]],
+        *,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """Gauss-Legendre points of {joint: (low, high, points)}; the weights sum to the measure of the box."""
+
+        def gauss(lo: float, hi: float, n: int) -> tuple[Array, Array]:
+            x, w = np.polynomial.legendre.leggauss(n)
+            return (lo + hi) / 2 + x * (hi - lo) / 2, w * (hi - lo) / 2
+
+        ticks, box = _axes(mechanism, axes, gauss)
+        poses, weight = _tensor(ticks)
+        return _with_payload(mechanism, Sweep(poses, weight, f"{len(poses)} Gauss-Legendre points", box), payload)
+
+    @staticmethod
+    def of_poses(
+        mechanism: Mechanism,
+        poses: Sequence[Mapping[str, float]] | str | Path,
+        *,
+        weight: Sequence[float] | None = None,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """A list of poses {joint: value} (joints left out are held) or a CSV file with a column per joint.
+
+        A CSV column is headed `joint` (rad or m) or `joint [deg]`; a column `weight` weighs the poses.
+        """
+        if isinstance(poses, str | Path):
+            table, weights = _read_csv(mechanism, Path(poses))
+            label = f"{len(table)} poses ({Path(poses).name})"
+        else:
+            table = np.array([pose_vector(mechanism, pose) for pose in poses]).reshape(-1, len(mechanism.driven))
+            weights = np.ones(len(table)) if weight is None else np.asarray(weight, dtype=float)
+            label = f"{len(table)} poses (list)"
+        if len(weights) != len(table) or (weights < 0).any() or (len(table) and not weights.sum() > 0):
+            raise InputError("pose weights must be non-negative, one per pose, and not all zero", where="sweep.poses")
+        return _with_payload(mechanism, Sweep(table, weights, label), payload)
+
+    def extended(self, poses: Array) -> Sweep:
+        """The sweep with further poses that count for peaks only."""
+        weight = np.concatenate([self.weight, np.zeros(len(poses))])
+        return replace(self, poses=np.vstack([self.poses, poses]), weight=weight)
+
+    def at_poses(self, poses: Array) -> Sweep:
+        """The same payload scenarios at other poses, equal weights."""
+        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None)
+
+    def rows(self) -> tuple[Array, Array, Array]:
+        """Driven positions (S N, nd), weights (S N,) and payload masses (S N, K), scenario by scenario."""
+        count = len(self.scenarios)
+        masses = np.repeat(self.scenarios, len(self.poses), axis=0)
+        return np.tile(self.poses, (count, 1)), np.tile(self.weight, count), masses
+
+    def describe(self) -> str:
+        """One line: what was swept, with which payload."""
+        if not self.payloads:
+            return f"{self.label}, payload 0 kg"
+        lists = [sorted(set(column)) for column in self.scenarios.T]
+        carried = "; ".join(
+            f"{' / '.join(f'{mass:g}' for mass in masses)} kg at {payload.body}"
+            for payload, masses in zip(self.payloads, lists, strict=True)
+        )
+        return f"{self.label}, payload {carried}"
+
+
+def pose_vector(mechanism: Mechanism, pose: Mapping[str, float]) -> Array:
+    """Driven positions (nd,) of a pose {joint: value}; joints left out stay at the reference posture."""
+    vector = held(mechanism)
+    for joint, value in pose.items():
+        vector[_driven_index(mechanism, joint, "pose")] = to_si(value, "", f"pose, joint {joint}")
+    return vector
+
+
+def held(mechanism: Mechanism) -> Array:
+    """Reference positions of the driven joints (nd,), brought inside their limits."""
+    reference = mechanism.reference[mechanism.model.jnt_qposadr[mechanism.driven_ids]]
+    box = mechanism.box
+    low, high = np.where(np.isnan(box[:, 0]), -np.inf, box[:, 0]), np.where(np.isnan(box[:, 1]), np.inf, box[:, 1])
+    return np.clip(reference, low, high)
+
+
+def _driven_index(mechanism: Mechanism, joint: str, where: str) -> int:
+    if joint not in mechanism.driven:
+        mechanism.joint_id(joint)
+        raise InputError(
+            f"joint {joint!r} is not driven: loops, the file or you hold it",
+            where=where,
+            hint="driven joints: " + ", ".join(mechanism.driven),
+        )
+    return mechanism.driven.index(joint)
+
+
+def _interval(values: Sequence[float], count: int, where: str) -> list[float]:
+    if len(values) != count:
+        raise InputError(f"expected {count} numbers, got {len(values)}", where=where)
+    numbers = [float(value) for value in values]
+    if not all(map(math.isfinite, numbers)):
+        raise InputError(f"{numbers} is not finite", where=where)
+    if numbers[0] > numbers[1]:
+        raise InputError(
+            f"the limits are reversed: {numbers[0]:g} > {numbers[1]:g}", where=where, hint="write the lower limit first"
+        )
+    return numbers
+
+
+def _box(mechanism: Mechanism, ranges: Mapping[str, Sequence[float]]) -> Array:
+    box = mechanism.box
+    for joint, limits in ranges.items():
+        where = f"sweep.ranges.{joint}"
+        box[_driven_index(mechanism, joint, where)] = _interval(limits, 2, where)
+    unlimited = [name for name, row in zip(mechanism.driven, box, strict=True) if np.isnan(row).any()]
+    if unlimited:
+        raise InputError(
+            f"slide {unlimited[0]!r} has no limits",
+            where="sweep",
+            hint=f"give its range: ranges: {{{unlimited[0]}: [0, 0.5]}}",
+        )
+    return box
+
+
+def _axes(mechanism: Mechanism, axes: Mapping[str, Sequence[float]], rule: Any) -> tuple[list[Any], Array]:
+    if not axes:
+        raise InputError("the sweep names no joint", where="sweep", hint=f"joints: {', '.join(mechanism.driven)}")
+    start = held(mechanism)
+    ticks: list[Any] = [(np.array([value]), np.ones(1)) for value in start]
+    box = np.stack([start, start], axis=1)
+    for joint, values in axes.items():
+        where = f"sweep, joint {joint}"
+        index = _driven_index(mechanism, joint, where)
+        low, high, count = _interval(values, 3, where)
+        if count < 1 or count != int(count) or count > MAX_POSES:
+            raise InputError(f"{count:g} is not a number of points", where=where, hint="write [low, high, points]")
+        if math.prod(len(tick[0]) for tick in ticks) * count > MAX_POSES:
+            raise InputError(f"the grid has more than {MAX_POSES} poses", where=where, hint="use fewer points or sobol")
+        ticks[index] = rule(low, high, int(count))
+        box[index] = low, high
+    return ticks, box
+
+
+def _tensor(ticks: list[Any]) -> tuple[Array, Array]:
+    mesh = np.meshgrid(*[tick[0] for tick in ticks], indexing="ij")
+    weights = np.meshgrid(*[tick[1] for tick in ticks], indexing="ij")
+    poses = np.stack([axis.ravel() for axis in mesh], axis=1)
+    return poses, np.prod([axis.ravel() for axis in weights], axis=0)
+
+
+def _with_payload(mechanism: Mechanism, sweep: Sweep, payload: Sequence[Payload]) -> Sweep:
+    points: dict[tuple[str, tuple[float, ...]], list[float]] = {}
+    for item in payload:
+        mechanism.body_id(item.body)
+        for mass in item.masses:
+            if not (math.isfinite(mass) and mass >= 0):
+                raise InputError(f"a payload of {mass:g} kg is not a mass", where=f"payload at {item.body}")
+            points.setdefault((item.body, tuple(item.at)), []).append(float(mass))
+    if not points:
+        return sweep
+    places = tuple(Payload(body, 0.0, at) for body, at in points)  # type: ignore[arg-type]
+    return replace(sweep, payloads=places, scenarios=np.array(list(itertools.product(*points.values()))))
+
+
+def _read_csv(mechanism: Mechanism, path: Path) -> tuple[Array, Array]:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as stream:
+            lines = [line for line in csv.reader(stream) if any(cell.strip() for cell in line)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"cannot read the poses: {error}", where=str(path)) from None
+    if len(lines) < 2:
+        raise InputError("the file has no poses", where=str(path), hint="one header line, then a line per pose")
+    heads = [_header(cell, mechanism, path) for cell in lines[0]]
+    table = np.tile(held(mechanism), (len(lines) - 1, 1))
+    weight = np.ones(len(table))
+    for row, line in enumerate(lines[1:]):
+        where = f"{path}, line {row + 2}"
+        if len(line) != len(heads):
+            raise InputError(f"{len(line)} values for {len(heads)} columns", where=where)
+        for (name, unit), cell in zip(heads, line, strict=True):
+            try:
+                value = float(cell)
+            except ValueError:
+                raise InputError(f"{cell!r} is not a number", where=f"{where}, column {name}") from None
+            if not math.isfinite(value):
+                raise InputError(f"{cell.strip()} is not a finite number", where=f"{where}, column {name}")
+            if name == "weight":
+                weight[row] = value
+            else:
+                table[row, mechanism.driven.index(name)] = to_si(f"{value!r} {unit}", "rad") if unit else value
+    return table, weight
+
+
+def _header(cell: str, mechanism: Mechanism, path: Path) -> tuple[str, str]:
+    name, _, unit = cell.partition("[")
+    name, unit = name.strip(), unit.strip().rstrip("]").strip()
+    if name == "weight":
+        return name, ""
+    if name not in mechanism.driven:
+        raise InputError(
+            f"column {name!r} is not a driven joint", where=f"{path}, line 1", hint=nearest(name, mechanism.driven)
+        )
+    return name, unit

@@ -1,0 +1,166 @@
+"""Walking on the branch: closed postures are followed from pose to pose and never jump over a singularity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.constraints import Equality, residual
+from equipoise.posture import Evaluator, integrate
+
+Flags = NDArray[np.bool_]
+STEP = 0.2  # largest motion of any joint in one step, rad or characteristic lengths
+SMALLEST = 1e-6  # a step that must be shorter than this runs into a wall
+CLOSED = 1e-9  # residual that a step leaves; the final posture is refined to rounding
+TURN = 0.9  # below 1 the chord between two Jacobians meets no singular one
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """Postures with their linearised loops: all dimensionless, N rows.
+
+    q (N, nq), error (N, m) residual, slope (N, m, n) Jacobian of the dependent dofs and steer (N, m, k) of
+    the driven ones, inverse (N, n, m) pseudo-inverse of slope, sigma (N,) its n-th singular value.
+    """
+
+    q: Array
+    error: Array
+    slope: Array
+    steer: Array
+    inverse: Array
+    sigma: Array
+
+    def rows(self, index: NDArray[np.int_]) -> Closed:
+        """A selection of postures."""
+        return Closed(*(getattr(self, field.name)[index] for field in fields(self)))
+
+    def put(self, index: NDArray[np.int_], other: Closed) -> None:
+        """Write other's rows at index."""
+        for field in fields(self):
+            getattr(self, field.name)[index] = getattr(other, field.name)
+
+    def join(self, other: Closed) -> Closed:
+        """Both, one after the other."""
+        return Closed(*(np.concatenate([getattr(x, f.name) for x in (self, other)]) for f in fields(self)))
+
+    @property
+    def worst(self) -> Array:
+        """Largest residual (N,)."""
+        return np.abs(self.error).max(axis=1, initial=0.0)
+
+    @property
+    def rate(self) -> Array:
+        """Dependent steps per driven step (N, n, k) = -slope^+ steer, refined once against rounding."""
+        first = -self.inverse @ self.steer
+        return first - self.inverse @ (self.slope @ first + self.steer)
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """The loop equations of a model in dimensionless form.
+
+    rows (m,) and columns (nv,) turn the Jacobian J into rows J columns; dependent (n,) and driven (k,) are
+    the dofs that the loops tie together; reach is the characteristic length, m,
+    margin the least admissible singular value.
+    """
+
+    model: mujoco.MjModel
+    equalities: list[Equality]
+    rows: Array
+    columns: Array
+    dependent: NDArray[np.int_]
+    driven: NDArray[np.int_]
+    reach: float
+    margin: float
+
+    def scaled(self, evaluate: Evaluator, q: Array) -> tuple[Array, Array]:
+        """Residual (N, m) and Jacobian (N, m, nv), dimensionless."""
+        error, jacobian = residual(self.equalities, evaluate(q))
+        return error * self.rows, jacobian * (self.rows[:, None] * self.columns)
+
+    def linearise(self, evaluate: Evaluator, q: Array) -> Closed:
+        """The loops at postures q, which need not be closed."""
+        error, jacobian = self.scaled(evaluate, q)
+        slope, steer = jacobian[:, :, self.dependent], jacobian[:, :, self.driven]
+        left, values, right = np.linalg.svd(slope, full_matrices=False)
+        weights = np.divide(1.0, values, out=np.zeros_like(values), where=values > 1e-10 * values[:, :1])
+        inverse = np.swapaxes(right, 1, 2) @ (weights[:, :, None] * np.swapaxes(left, 1, 2))
+        count = len(self.dependent)
+        sigma = values[:, count - 1] if values.shape[1] >= count else np.zeros(len(q))
+        return Closed(q, error, slope, steer, inverse, sigma)
+
+    def move(self, q: Array, step: Array, dofs: NDArray[np.int_]) -> Array:
+        """Postures after a dimensionless step (N, len(dofs)) of some dofs."""
+        motion = np.zeros((len(q), self.model.nv))
+        motion[:, dofs] = step * self.columns[dofs]
+        return integrate(self.model, q, motion)
+
+    def newton(self, evaluate: Evaluator, q: Array, *, goal: float, turns: int) -> Closed:
+        """Newton's steps of the dependent dofs until every residual is below goal, or turns are used up."""
+        closed = self.linearise(evaluate, q)
+        for _ in range(turns):
+            late = np.flatnonzero(closed.worst > goal)
+            if not late.size:
+                break
+            now = closed.rows(late)
+            step = -(now.inverse @ now.error[:, :, None])[..., 0]
+            longest = np.abs(step).max(axis=1, keepdims=True)
+            step *= np.minimum(1.0, 0.5 / np.maximum(longest, 1e-300))
+            closed.put(late, self.linearise(evaluate, self.move(now.q, step, self.dependent)))
+        return closed
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """Where walks ended: the last closed postures, whether they are at their targets, and what stopped them.
+
+    share (N,) is the part of the way that was walked, lowest (N,) the smallest singular value met.
+    """
+
+    closed: Closed
+    arrived: Flags
+    share: Array
+    lowest: Array
+
+
+def walk(loop: Loop, evaluate: Evaluator, start: Closed, span: Array) -> Walk:
+    """Move the driven dofs of closed postures by span (N, k), dimensionless, straight and in small steps.
+
+    A step is taken when Newton closes it, the singular value stays above the margin, and the Jacobians J0, J1 at
+    its ends obey min(|J0^+ (J1 - J0)|, |J1^+ (J1 - J0)|) < 1, so that no Jacobian between them is singular:
+    the walk cannot slip to another branch. Otherwise the step is halved until it is too small to go on.
+    """
+    now = start.rows(np.arange(len(span)))
+    share, lowest = np.zeros(len(span)), now.sigma.copy()
+    size = np.ones(len(span))
+    arrived = np.zeros(len(span), dtype=bool)
+    active = np.arange(len(span))
+    while active.size:
+        here, way = now.rows(active), span[active]
+        follow = (here.rate @ way[:, :, None])[..., 0]
+        speed = np.maximum(np.abs(way).max(axis=1, initial=0.0), np.abs(follow).max(axis=1, initial=0.0))
+        part = np.minimum(size[active], STEP / np.maximum(speed, STEP))
+        part = np.minimum(part, 1.0 - share[active])
+        ahead = loop.move(here.q, part[:, None] * way, loop.driven)
+        ahead = loop.move(ahead, part[:, None] * follow, loop.dependent)
+        there = loop.newton(evaluate, ahead, goal=CLOSED, turns=6)
+        sound = (there.worst <= CLOSED) & (_turn(here, there) < TURN)
+        taken = sound & (there.sigma > loop.margin)
+        lowest[active[sound]] = np.minimum(lowest[active[sound]], there.sigma[sound])
+        now.put(active[taken], there.rows(np.flatnonzero(taken)))
+        share[active[taken]] += part[taken]
+        size[active] = np.where(taken, np.minimum(1.0, 2.0 * part), 0.5 * part)
+        arrived[active] = share[active] >= 1.0 - 1e-12
+        stuck = (sound & ~taken) | (~sound & (part * speed < SMALLEST))
+        active = active[~arrived[active] & ~stuck]
+    return Walk(now, arrived, share, lowest)
+
+
+def _turn(here: Closed, there: Closed) -> Array:
+    change = there.slope - here.slope
+    forward, backward = here.inverse @ change, there.inverse @ change
+    return np.sqrt(np.minimum((forward**2).sum(axis=(1, 2)), (backward**2).sum(axis=(1, 2))))
