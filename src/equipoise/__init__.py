@@ -1,1 +1,102 @@
-"""equipoise designs balanced mechanisms: springs and counterweights that take the weight off motors."""
+"""equipoise designs balanced mechanisms: springs and counterweights that take the weight off motors.
+
+The public names are imported on first use, so that `import equipoise` stays quick.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "Mechanism": "mechanism",
+    "Point": "mechanism",
+    "Sweep": "sweep",
+    "Payload": "sweep",
+    "States": "states",
+    "Affine": "affine",
+    "Block": "affine",
+    "Unknown": "affine",
+    "Spring": "balancers.spring",
+    "Line": "balancers.paths",
+    "Linear": "balancers.laws",
+    "ZeroFreeLength": "balancers.laws",
+    "Coil": "balancers.laws",
+    "Constant": "balancers.laws",
+    "WireMass": "balancers.laws",
+    "Counterweight": "balancers.counterweight",
+    "Force": "limits",
+    "Slack": "limits",
+    "Length": "limits",
+    "Stroke": "limits",
+    "Stiffness": "limits",
+    "MassCap": "limits",
+    "ExactAt": "limits",
+    "Aim": "objective",
+    "Design": "design",
+    "chain": "models.chain",
+    "Link": "models.chain",
+    "parallelogram_arm": "models.parallelogram_arm",
+    "four_bar": "models.four_bar",
+    "slider_crank": "models.slider_crank",
+    "analyze": "verbs.analyze",
+    "balance": "verbs.balance",
+    "shape": "verbs.shape",
+    "verify": "verbs.verify",
+    "report": "verbs.report",
+    "EquipoiseError": "errors",
+    "InputError": "errors",
+    "ModelError": "errors",
+    "ProblemError": "errors",
+    "LoopError": "errors",
+    "InfeasibleError": "errors",
+    "DisagreementError": "errors",
+}
+
+__all__ = ["__version__", *_HOME]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'equipoise' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"equipoise.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
+if TYPE_CHECKING:
+    from equipoise.affine import Affine, Block, Unknown
+    from equipoise.balancers.counterweight import Counterweight
+    from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
+    from equipoise.balancers.paths import Line
+    from equipoise.balancers.spring import Spring
+    from equipoise.design import Design
+    from equipoise.errors import (
+        DisagreementError,
+        EquipoiseError,
+        InfeasibleError,
+        InputError,
+        LoopError,
+        ModelError,
+        ProblemError,
+    )
+    from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+    from equipoise.mechanism import Mechanism, Point
+    from equipoise.models.chain import Link, chain
+    from equipoise.models.four_bar import four_bar
+    from equipoise.models.parallelogram_arm import parallelogram_arm
+    from equipoise.models.slider_crank import slider_crank
+    from equipoise.objective import Aim
+    from equipoise.states import States
+    from equipoise.sweep import Payload, Sweep
+    from equipoise.verbs.analyze import analyze
+    from equipoise.verbs.balance import balance
+    from equipoise.verbs.report import report
+    from equipoise.verbs.shape import shape
+    from equipoise.verbs.verify import verify

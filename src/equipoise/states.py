@@ -10,8 +10,7 @@ import numpy as np
 from mujoco.batch import Batch
 
 from equipoise.affine import Array
-from equipoise.errors import InputError
-from equipoise.loops import close_loops
+from equipoise.loops import ancestors, close_loops
 from equipoise.mechanism import Mechanism, Point
 
 if TYPE_CHECKING:
@@ -103,10 +102,7 @@ class States:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
-        if local.ndim == 1:
-            arm = xmat @ local
-        else:
-            arm = (xmat @ local[..., None])[..., 0]
+        arm = xmat @ local if local.ndim == 1 else (xmat @ local[..., None])[..., 0]
         position = xpos + arm
         linear, angular = self._twist(body)
         offset = position - self.kin.com[:, body]
@@ -165,24 +161,3 @@ class States:
                 motion = np.swapaxes(self.kin.cdof[:, dofs], 1, 2) @ self.D[:, dofs]
                 self._bodies[body] = (motion[:, 3:], motion[:, :3])
         return self._bodies[body]
-
-
-def ancestors(model: mujoco.MjModel, body: int) -> list[int]:
-    """Degrees of freedom that move a body, root first."""
-    while body and model.body_dofnum[body] == 0:
-        body = int(model.body_parentid[body])
-    if not body:
-        return []
-    dof = int(model.body_dofadr[body] + model.body_dofnum[body] - 1)
-    chain = []
-    while dof >= 0:
-        chain.append(dof)
-        dof = int(model.dof_parentid[dof])
-    return chain[::-1]
-
-
-def check_finite(array: Array, what: str) -> None:
-    """Raise InputError naming the first row that is not a finite number."""
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
-        raise InputError(f"{what} is not a finite number in row {int(bad[0, 0]) + 1}")

@@ -11,6 +11,7 @@ import numpy as np
 from equipoise.affine import Affine, Array, Block, Unknown
 from equipoise.balancers.spring import STORAGE, add_point_mass
 from equipoise.errors import InputError, nearest
+from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism, Point
 from equipoise.states import States
 from equipoise.units import Length, Mass
@@ -47,8 +48,6 @@ class Counterweight:
 
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError for a body that is not there or cannot move, or a reach that is not a length."""
-        from equipoise.states import ancestors
-
         if not ancestors(mechanism.model, mechanism.body_id(self.at.body)):
             raise InputError(
                 f"counterweight {self.name} sits on {self.at.body}, which no joint moves",

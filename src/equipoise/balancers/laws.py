@@ -9,7 +9,7 @@ import numpy as np
 
 from equipoise.affine import Array, Unknown
 from equipoise.errors import InputError
-from equipoise.units import Force, Length, Stiffness
+from equipoise.units import Density, Force, Length, Number, Pressure, Stiffness
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,7 @@ class Law:
     """Common ground of the laws: a law says its shares, the rest follows."""
 
     closed: ClassVar[float | None] = None
+    closes_free: ClassVar[bool] = False
 
     def shares(self, length: Array) -> tuple[Share, ...]:
         """The law's parameters with force and energy per unit of each, at lengths (..., N)."""
@@ -134,10 +135,13 @@ class Coil(Law):
 
     @property
     def closed(self) -> Any:  # type: ignore[override]
-        """The length below which the coils touch, m, or None for a spring that never closes."""
-        if self.closed_length is None and (self.initial_tension is None or np.any(self.initial_tension)):
-            return self.free_length
-        return self.closed_length
+        """The length below which the coils touch, m, or None where that is not known."""
+        return self.free_length if self.closes_free else self.closed_length
+
+    @property
+    def closes_free(self) -> bool:  # type: ignore[override]
+        """Whether the coils touch at the free length, as those of an extension spring with initial tension do."""
+        return self.closed_length is None and (self.initial_tension is None or bool(np.any(self.initial_tension)))
 
     def shares(self, length: Array) -> tuple[Share, ...]:
         """Rate, free length where it is unknown, and initial tension."""
@@ -175,11 +179,11 @@ class WireMass:
     k in N/m. Arakelian & Ghazaryan 2008, Eq. 7 [arakelian_ghazaryan_2008].
     """
 
-    diameter: Any
-    coils: Any
-    wire_length: Any
-    shear_modulus: Any = 81e9
-    density: Any = 7800.0
+    diameter: Length
+    coils: Number
+    wire_length: Length
+    shear_modulus: Pressure = 81e9
+    density: Density = 7800.0
 
     def of(self, k: Any) -> Any:
         """Mass, kg, of the spring of rate k, N/m."""

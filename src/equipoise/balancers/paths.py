@@ -10,7 +10,8 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, Point
-from equipoise.states import States, ancestors
+from equipoise.loops import ancestors
+from equipoise.states import States
 
 
 @dataclass(frozen=True)

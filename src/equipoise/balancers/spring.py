@@ -100,6 +100,20 @@ class Spring:
     def _theta(self, values: Mapping[str, float]) -> Array:
         return np.array([values[unknown.name] for unknown in self.unknowns])
 
+    def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
+        """All parameters of the law, found and given, SI; an unknown free length is read from its product."""
+        shares = self.law.shares(np.ones(1))
+        found = {
+            share.parameter: float(values[f"{self.owner}.{share.parameter}"] if share.given is None else share.given)
+            for share in shares
+        }
+        free = getattr(self.law, "free_length", None)
+        if free is not None:
+            found["free_length"] = float(free)
+        elif "k_free_length" in found and found.get("k", 0.0) > 0:
+            found["free_length"] = found["k_free_length"] / found["k"]
+        return found
+
     def install(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
         """Add the spring and its lumped mass to a MuJoCo model.
 

@@ -45,6 +45,7 @@ class Link:
     joint        `hinge` or `slide`
     axis         joint axis in the parent link's frame; default the planar hinge, or x for a slide
     at           joint origin in the parent link's frame, m: distance along x, (x, z) or (x, y, z); default its tip
+                 (the first link's counts from the base, along the world's axes)
     limits       range of a hinge, rad; stroke is the range of a slide, m; default unlimited
     motor_limit  N m for a hinge; motor_force, N, for a slide
     """
@@ -120,11 +121,11 @@ def _place(at: Any, where: str) -> tuple[float, ...]:
 def _add_joint(body: Any, link: Link, clockwise: bool, where: str) -> None:
     word(link.joint, ("hinge", "slide"), "joint", where)
     slide = link.joint == "slide"
-    wrong = ("limits", "motor_limit", "stroke", "motor_force") if slide else ("stroke", "motor_force", "limits", "")
-    for field in wrong[:2]:
+    of_hinge, of_slide = ("limits", "motor_limit"), ("stroke", "motor_force")
+    wrong, right = (of_hinge, of_slide) if slide else (of_slide, of_hinge)
+    for field, instead in zip(wrong, right, strict=True):
         if getattr(link, field) is not None:
-            right = {"limits": "stroke", "stroke": "limits", "motor_limit": "motor_force", "motor_force": "motor_limit"}
-            raise InputError(f"{field} does not belong to a {link.joint}", where=where, hint=f"use {right[field]}")
+            raise InputError(f"{field} does not belong to a {link.joint}", where=where, hint=f"use {instead}")
     if link.axis is not None:
         axis = vector(link.axis, 3, "axis", where)
         positive(math.hypot(*axis), "length of axis", "", where)

@@ -63,7 +63,7 @@ def slider_crank(
     crank, rod = positive(crank, "crank", "m", name), positive(rod, "rod", "m", name)
     offset, direction = number(offset, "offset", name), number(direction, "direction", name)
     word(branch, ("forward", "backward"), "branch", name)
-    posture = _closed(crank, rod, offset, direction, 1.0 if branch == "forward" else -1.0, name)
+    posture = _closed(crank, rod, offset, direction, sign=1.0 if branch == "forward" else -1.0, where=name)
     spec = new_spec(name, gravity)
     first = rod_inertial(masses[0], crank, coms[0], inertias[0], f"{name}.crank")
     second = rod_inertial(masses[1], rod, coms[1], inertias[1], f"{name}.rod")
@@ -81,7 +81,7 @@ def slider_crank(
 
 
 def _closed(
-    crank: float, rod: float, offset: float, direction: float, sign: float, where: str
+    crank: float, rod: float, offset: float, direction: float, *, sign: float, where: str
 ) -> tuple[float, float, float]:
     """Joint positions of the closed reference posture."""
     if abs(offset) >= crank + rod:

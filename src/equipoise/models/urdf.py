@@ -9,7 +9,6 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from equipoise.errors import ModelError
 from equipoise.models.inertia import LEAST_INERTIA, TOKEN_MASS, Repairs, valid_inertia
 from equipoise.models.notices import refusals, some
 from equipoise.models.urdf_tree import Inertial, Joint, Link, Tree, read_tree
@@ -77,10 +76,10 @@ def _masses(tree: Tree, repairs: Repairs) -> dict[str, Inertial]:
         if link.inertial is None or (link.inertial.mass == 0.0 and not np.any(link.inertial.matrix)):
             continue
         result[link.name] = link.inertial.replaced(valid_inertia(link.inertial.matrix, link.name, repairs))
+    carrier = tree.rigid()
+    heavy = {carrier[name] for name, inertial in result.items() if inertial.mass >= TOKEN_MASS}
     for joint in tree.joints:
-        if joint.type == "fixed":
-            continue
-        if not any(name in result and result[name].mass >= TOKEN_MASS for name in tree.rigid_with(joint.child)):
+        if joint.type != "fixed" and joint.child not in heavy:
             repairs.massless.append(joint.child)
             result[joint.child] = Inertial(TOKEN_MASS, LEAST_INERTIA * np.eye(3))
     return result
@@ -146,6 +145,3 @@ def _turn(spec: mujoco.MjSpec, joint: Joint) -> None:
 
 def _text(values: tuple[float, ...]) -> str:
     return " ".join(map(repr, values))
-
-
-__all__ = ["ModelError", "read_urdf"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,18 +72,18 @@ class Tree:
     name: str
     links: dict[str, Link]
     joints: list[Joint]
-    _rigid: dict[str, list[str]] = field(default_factory=dict)
 
-    def rigid_with(self, link: str) -> list[str]:
-        """The link and all that hang on it by fixed joints."""
-        fixed: dict[str, list[str]] = {}
-        for joint in self.joints:
-            if joint.type == "fixed":
-                fixed.setdefault(joint.parent, []).append(joint.child)
-        found = [link]
-        for name in found:
-            found.extend(fixed.get(name, []))
-        return found
+    def rigid(self) -> dict[str, str]:
+        """For every link the first link above it that it is fixed to, itself where it moves."""
+        above = {joint.child: joint.parent for joint in self.joints if joint.type == "fixed"}
+        result: dict[str, str] = {}
+        for name in self.links:
+            chain = [name]
+            while chain[-1] not in result and chain[-1] in above:
+                chain.append(above[chain[-1]])
+            first = result.get(chain[-1], chain[-1])
+            result.update(dict.fromkeys(chain, first))
+        return result
 
 
 def read_tree(root: ET.Element, where: str) -> Tree:
@@ -174,7 +174,7 @@ def _joint(element: ET.Element, name: str, where: str) -> Joint:
         rpy=rpy,
         axis=_axis(element, name, where) if kind not in ("fixed", "floating") else (1.0, 0.0, 0.0),
         range=_range(attribute("limit", "lower", most=_ANY), attribute("limit", "upper", most=_ANY), name, where)
-        if kind in ("revolute", "prismatic") and element.find("limit") is not None
+        if kind in ("revolute", "prismatic") and _states_limits(element)
         else None,
         effort=effort if effort < 1e9 else 0.0,
         damping=max(0.0, attribute("dynamics", "damping")),
@@ -193,6 +193,12 @@ def _axis(element: ET.Element, name: str, where: str) -> Vector:
     if length < 1e-9:
         raise ModelError(f"the axis of joint {name!r} is zero", where=where, hint="give a direction such as 0 0 1")
     return tuple(value / length for value in axis)
+
+
+def _states_limits(element: ET.Element) -> bool:
+    """Whether a joint states a limit of its position; one with only an effort turns freely, whatever its type."""
+    limit = element.find("limit")
+    return limit is not None and ("lower" in limit.attrib or "upper" in limit.attrib)
 
 
 def _range(low: float, high: float, name: str, where: str) -> tuple[float, float] | None:

@@ -110,7 +110,8 @@ def _term_columns(columns: _Columns, term: Term, working: Working, answer: Answe
     else:
         _, state, row = spread(term.sizes, working.terms[i])
         columns.add(term.A[state, row], term.b[state, row], answer.y[i])
-    a, c = remainder(term, working.signs[i] if term.norm == "mean" else None, working.terms[i])
+    signs = working.signs[i] if term.norm == "mean" else np.zeros((0, term.b.size))
+    a, c = remainder(term, signs, working.terms[i])
     columns.add(a, c, answer.rest[i])
 
 
@@ -151,7 +152,7 @@ def _dual_norm(term: Term, working: Working, y: Array, rest: Array, answer: Answ
     if term.norm == "peak":
         return float(magnitude.sum()) / allowance
     weight = np.maximum(term.weight[working.terms[i] // len(term.sizes)], 1e-300)
-    return max(float((magnitude / weight).max(initial=0.0)), float(abs(rest[0]))) / allowance
+    return max(float((magnitude / weight).max(initial=0.0)), float(np.abs(rest).sum())) / allowance
 
 
 def _shares(term: Term, working: Working, answer: Answer, i: int) -> Array:

@@ -19,26 +19,27 @@ TINY = 1e-300
 class Working:
     """Which samples are spelled out: per term the flat (state, block) numbers, per limit the row numbers.
 
-    A mean term takes every other sample to have the sign in `signs` (N * B,).
+    Of a mean term's other samples only the weighted sum under some sign patterns `signs` (K, N * B) is kept:
+    |r| >= s r for any s = +-1, and equal where s is the sign.
     """
 
     terms: list[Array]
     rows: list[Array]
-    signs: list[Array | None]
+    signs: list[Array]
 
 
 @dataclass(eq=False)
 class Answer:
     """What the solver says: theta and a multiplier for every working sample, row, bound and cap.
 
-    y[i] stacks the rows of term i's working samples; rest[i] and level[i] are the multipliers of a mean
-    term's remainder and of an rms term's cone; excess is the common relative excess of an elastic program.
+    y[i] stacks the rows of term i's working samples; rest[i] (K,) and level[i] are the multipliers of a mean
+    term's sign patterns and of an rms term's cone; excess is the common relative excess of an elastic program.
     """
 
     feasible: bool
     theta: Array
     y: list[Array] = field(default_factory=list)
-    rest: list[float] = field(default_factory=list)
+    rest: list[Array] = field(default_factory=list)
     level: list[float] = field(default_factory=list)
     row: list[Array] = field(default_factory=list)
     cap: list[float] = field(default_factory=list)
@@ -93,7 +94,7 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
     """
     P, T = len(program.unknowns), len(program.terms)
     scale = program.scale
-    loads = [max(float(np.abs(term.b).max()), TINY) for term in program.terms]
+    loads = program.loads
     extra = [len(w) + 1 if t.norm == "mean" else 0 for t, w in zip(program.terms, working.terms, strict=True)]
     first = P + T + np.cumsum((0, *extra))
     excess, width = int(first[-1]), int(first[-1]) + (elastic is not None)
@@ -181,7 +182,7 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
         answer.level.append(float(multiplier[0]) if term.norm == "rms" else 0.0)
         answer.y.append(np.zeros(0) if term.norm == "rms" else -multiplier[np.arange(len(sample)) + sample + 1])
         answer.cap.append(float(dual(linear, cap)[0]) / load if cap is not None else 0.0)
-        answer.rest.append(float(dual(linear, rest)[1]) / load if rest is not None else 0.0)
+        answer.rest.append(dual(linear, rest)[2:] / load if rest is not None else np.zeros(0))
     answer.excess = float(max(0.0, x[excess])) if elastic is not None else 0.0
     return answer
 
@@ -189,25 +190,28 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
 def _mean_rows(
     linear: _Cone, term: Term, working: Working, i: int, level: int, first: int, scale: Array, load: float
 ) -> slice:
-    """Rows level >= sum w e + e_rest, e_rest >= a . theta + c, e_rest >= 0 of a mean term."""
+    """Rows level >= sum w e + e_rest, e_rest >= 0 and e_rest >= a_k . theta + c_k of a mean term."""
     flat = working.terms[i]
     a, c = remainder(term, working.signs[i], flat)
     rest = first + len(flat)
+    count = len(c)
     weights = (0, first + np.arange(len(flat)), term.weight[flat // len(term.sizes)])
-    slope = (1, np.arange(len(a)), a * scale / load)
     return linear.add(
-        [0.0, -c / load, 0.0], (0, level, -1.0), weights, (np.array([0, 1, 2]), rest, np.array([1.0, -1.0, -1.0])), slope
+        np.r_[0.0, 0.0, -c / load],
+        (0, level, -1.0),
+        weights,
+        (0, rest, 1.0),
+        (1 + np.arange(count + 1), rest, -1.0),
+        linear.dense(a * scale / load, 2),
     )
 
 
-def remainder(term: Term, signs: Array | None, flat: Array) -> tuple[Array, float]:
-    """(a, c) with a . theta + c the weighted sum of all samples outside `flat`, their signs taken for granted."""
-    if signs is None:
-        return np.zeros(term.A.shape[-1]), 0.0
-    sign = signs.copy()
-    sign[flat] = 0.0
-    weighted = sign.reshape(term.b.shape) * term.weight[:, None]
-    return np.einsum("nr,nrp->p", weighted, term.A), float((weighted * term.b).sum())
+def remainder(term: Term, signs: Array, flat: Array) -> tuple[Array, Array]:
+    """(a, c) (K, P), (K,): per sign pattern the weighted sum a . theta + c of all samples outside `flat`."""
+    kept = signs.copy()
+    kept[:, flat] = 0.0
+    weighted = kept.reshape(-1, *term.b.shape) * term.weight[:, None]
+    return np.einsum("knr,nrp->kp", weighted, term.A), np.einsum("knr,nr->k", weighted, term.b)
 
 
 def _clarabel(cost: Array, cones: tuple[_Cone, _Cone, _Cone], sizes: list[int], width: int) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import EquipoiseError, InfeasibleError
 from equipoise.solve.certificate import Gap, Multipliers, certify
-from equipoise.solve.convex import Answer, Working, solve_restricted
+from equipoise.solve.convex import Answer, Working, remainder, solve_restricted
 from equipoise.solve.polish import polish
 from equipoise.solve.program import Program, Term
 
@@ -41,7 +41,7 @@ def solve(program: Program, *, elastic: float | None = None, warm: Working | Non
     working = _initial(program, start) if warm is None else _refresh(program, warm, start)
     if _plain(program, start):
         working = Working([np.zeros(0, dtype=int) for _ in program.terms], [np.zeros(0, dtype=int) for _ in program.rows],
-                          [None for _ in program.terms])
+                          [np.zeros((0, 0)) for _ in program.terms])
         answer = _plain_answer(program, start)
     else:
         answer = _exchange(program, working, elastic)
@@ -62,7 +62,7 @@ def _plain(program: Program, theta: Array) -> bool:
     """Whether least squares is already the answer: a single rms, or no residual at all, and no limit violated."""
     if not theta.size and not program.rows:
         return True
-    load = sum(term.factor * term.value(np.zeros_like(theta)) for term in program.terms)
+    load = sum(program.loads)
     single = len(program.terms) == 1 and program.terms[0].norm == "rms" and program.terms[0].cap is None
     return (single or program.objective(theta) <= 1e-13 * load) and program.violation(theta) <= 1e-12
 
@@ -72,7 +72,7 @@ def _plain_answer(program: Program, theta: Array) -> Answer:
     empty = np.zeros(0)
     for term in program.terms:
         answer.y.append(empty)
-        answer.rest.append(0.0)
+        answer.rest.append(empty)
         answer.cap.append(0.0)
         answer.level.append(term.factor if term.value(theta) > 0 else 0.0)
     answer.row = [np.zeros(0) for _ in program.rows]
@@ -98,10 +98,10 @@ def _exchange(program: Program, working: Working, elastic: float | None) -> Answ
 def _initial(program: Program, theta: Array) -> Working:
     """The worst samples at zero and at least squares, and for a mean term the samples whose sign is in doubt."""
     terms: list[Array] = []
-    signs: list[Array | None] = []
+    signs: list[Array] = []
     for term in program.terms:
         r = term.residual(theta)
-        sign = None
+        sign = np.zeros((0, r.shape[0] * len(term.sizes)))
         if term.norm == "rms":
             chosen = np.zeros(0, dtype=int)
         elif term.norm == "peak":
@@ -109,7 +109,7 @@ def _initial(program: Program, theta: Array) -> Working:
         elif all(size == 1 for size in term.sizes):
             order = np.argsort(np.abs(r).ravel())
             chosen = np.sort(order[: max(50, len(order) // 12)])
-            sign = np.sign(r).ravel()
+            sign = np.sign(r).reshape(1, -1)
         else:
             chosen = np.arange(r.shape[0] * len(term.sizes))
         terms.append(chosen)
@@ -160,21 +160,23 @@ def _grow(program: Program, working: Working, answer: Answer) -> bool:
         if term.norm == "peak":
             magnitude = term.magnitudes(r)
             level = magnitude.ravel()[working.terms[i]].max(initial=0.0)
-            load = max(float(np.abs(term.b).max()), 1e-300)
-            if magnitude.max() > level * (1 + TOLERANCE) + 1e-13 * load:
+            if magnitude.max() > level * (1 + TOLERANCE) + 1e-13 * program.loads[i]:
                 worst = _worst(term, r)
                 worst = worst[magnitude.ravel()[worst] > level]
                 grown = np.union1d(working.terms[i], worst)
                 grew |= len(grown) > len(working.terms[i])
                 working.terms[i] = grown
-        elif working.signs[i] is not None:
+        elif len(working.signs[i]):
             flat = r.ravel()
-            wrong = flat * working.signs[i] < -1e-13 * np.abs(flat).max()
-            wrong[working.terms[i]] = False
-            if wrong.any():
-                near = np.argsort(np.abs(flat))[: max(50, len(flat) // 12)]
+            doubtful = (flat * working.signs[i] < -1e-12 * np.abs(flat).max()).all(axis=0)
+            doubtful[working.terms[i]] = False
+            a, c = remainder(term, working.signs[i], working.terms[i])
+            outside = np.repeat(term.weight, len(term.sizes)) * np.abs(flat)
+            outside[working.terms[i]] = 0.0
+            if outside.sum() > (a @ answer.theta + c).max() + TOLERANCE * term.value(answer.theta):
+                near = np.flatnonzero(doubtful)[np.argsort(np.abs(flat[doubtful]))][: max(50, len(flat) // 12)]
                 working.terms[i] = np.union1d(working.terms[i], near)
-                working.signs[i] = np.sign(flat)
+                working.signs[i] = np.vstack([working.signs[i], np.sign(flat)])
                 grew = True
     for k, rows in enumerate(program.rows):
         if rows.equality or not len(rows.h):

@@ -77,7 +77,7 @@ def _level(
     chosen = np.abs(y) > ACTIVE * max(np.abs(y).max(initial=0.0), 1e-300)
     _, state, row = spread(term.sizes, flat[chosen])
     sign = np.sign(y[chosen])
-    load = max(float(np.abs(term.b).max()), 1e-300)
+    load = program.loads[0]
     A = np.hstack([sign[:, None] * term.A[state, row] * scale, -np.full((len(state), 1), load)])
     b = -sign * term.b[state, row]
     full = np.vstack([A, np.hstack([rows * scale, np.zeros((len(rhs), 1))])])

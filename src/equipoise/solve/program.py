@@ -108,13 +108,21 @@ class Program:
         """Units (P,) in which every unknown moves the residuals, or else the limits, about equally."""
         size = np.zeros(len(self.unknowns))
         for term in self.terms:
-            factor = term.triangle
-            load = max(float(np.linalg.norm(factor[:, -1])), 1e-300)
-            size = np.maximum(size, np.linalg.norm(factor[:, :-1], axis=0) / load)
+            load = float(np.linalg.norm(term.triangle[:, -1]))
+            if load > 0:
+                size = np.maximum(size, np.linalg.norm(term.triangle[:, :-1], axis=0) / load)
         for rows in self.rows:
             if rows.h.size:
                 size = np.where(size > 0, size, np.abs(rows.G).max(axis=0) / rows.scale)
         return 1.0 / np.where(size > 0, size, 1.0)
+
+    @cached_property
+    def loads(self) -> tuple[float, ...]:
+        """What each term's residual is measured by: its largest constant, or what scaled unknowns make of it."""
+        return tuple(
+            float(np.abs(t.b).max(initial=0.0)) or float(np.abs(t.A * self.scale).max(initial=0.0)) or 1.0
+            for t in self.terms
+        )
 
     @property
     def lower(self) -> Array:

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.constraints import Couple, Equality, equalities
+from equipoise.loops.constraints import Couple, Equality, equalities
 from equipoise.errors import InputError, LoopError
-from equipoise.posture import Evaluator
-from equipoise.walk import CLOSED, Closed, Loop
+from equipoise.loops.posture import Evaluator
+from equipoise.loops.walk import CLOSED, Closed, Loop
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
 
 _NUDGE = 0.05  # rad or characteristic lengths: far enough from a singular reference to see the generic rank
-_RANK = 1e-6
+_RANK = 1e-4  # postures closed to rounding next to a singular one show false ranks of 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ def _moving(matrices: Array, dofs: NDArray[np.int_]) -> NDArray[np.int_]:
     """The dofs whose column some null vector of the least singular sample moves; all where there is none."""
     ranks = [_rank(matrix[None]) for matrix in matrices]
     null = _null_space(matrices[int(np.argmax(ranks))])
-    moving = dofs[np.abs(null).max(axis=1, initial=0.0) > 1e-6]
+    moving = dofs[np.abs(null).max(axis=1, initial=0.0) > 1e-4]
     return moving if moving.size else dofs
 
 

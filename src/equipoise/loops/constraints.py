@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.errors import InputError
-from equipoise.posture import Pose, ancestors, cross, quat_product
+from equipoise.loops.posture import Pose, ancestors, cross, quat_product
 
 _SLIDE = int(mujoco.mjtJoint.mjJNT_SLIDE)
 
@@ -97,10 +97,9 @@ class Weld:
         for sign, body in ((1.0, first), (-1.0, second)):
             dofs = ancestors(self.point.model, body)
             angular[:, :, dofs] += sign * np.swapaxes(pose.cdof[:, dofs, :3], 1, 2)
-        units = np.eye(4)[1:]
-        columns = [quat_product(quat_product(back, unit), one)[:, 1:] for unit in units]
+        turns = quat_product(quat_product(back[:, None], np.eye(4)[1:]), one[:, None])[..., 1:]
         turn = self.scale * quat_product(back, one)[:, 1:]
-        spin = 0.5 * self.scale * np.stack(columns, axis=-1) @ angular
+        spin = 0.5 * self.scale * np.swapaxes(turns, 1, 2) @ angular
         return np.concatenate([gap, turn], axis=1), np.concatenate([slope, spin], axis=1)
 
 

@@ -6,14 +6,14 @@ import weakref
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.assembly import Assembly, assemble
+from equipoise.loops.assembly import Assembly, assemble
 from equipoise.errors import InputError, LoopError
-from equipoise.posture import Evaluator, qpos_width
-from equipoise.roadmap import Blocked, follow
-from equipoise.walk import Closed
+from equipoise.loops.messages import advice, blocked_way, gap, pose_text
+from equipoise.loops.posture import Evaluator, qpos_width
+from equipoise.loops.roadmap import Blocked, follow
+from equipoise.loops.walk import Closed
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
@@ -79,7 +79,7 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     if assembly is None:
         return np.zeros(len(q)), np.full(len(q), np.inf)
     closed = assembly.loop.linearise(Evaluator(mechanism.model), q)
-    return _gap(assembly, closed), closed.sigma
+    return gap(assembly.loop, closed), closed.sigma
 
 
 def _assembly(mechanism: Mechanism) -> Assembly | None:
@@ -142,27 +142,30 @@ def _followed(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, ori
     targets, back = np.unique(wanted, axis=0, return_inverse=True)
     result = follow(loop, evaluate, origin, here, targets)
     if isinstance(result, Blocked):
-        raise _blocked(mechanism, assembly, evaluate, result, driven[int(np.argmax(back.ravel() == result.index))])
+        pose = driven[int(np.argmax(back.ravel() == result.index))]
+        raise blocked_way(mechanism, assembly, evaluate, result, pose)
     return result[back.ravel()]
 
 
 def _refined(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
-    closed = assembly.loop.newton(evaluate, postures, goal=1e-15, turns=2)
+    # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
+    turns = 2 if assembly.curved.all() else 8
+    closed = assembly.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
     worst = int(np.argmax(closed.worst))
     if closed.worst[worst] > _ROUNDING:
         raise LoopError(
             f"the loops do not close at {pose_text(mechanism, driven[worst])}: the gap is "
-            f"{_gap(assembly, closed)[worst] * 1e3:.4g} mm",
+            f"{gap(assembly.loop, closed)[worst] * 1e3:.4g} mm",
             where=mechanism.name,
         )
     least = int(np.argmin(closed.sigma))
     if closed.sigma[least] <= mechanism.singularity:
         raise LoopError(
             f"the pose {pose_text(mechanism, driven[least])} is within the margin of a singularity: "
-            f"gap {_gap(assembly, closed)[least] * 1e3:.2g} mm, singular value {closed.sigma[least]:.3g} "
+            f"gap {gap(assembly.loop, closed)[least] * 1e3:.2g} mm, singular value {closed.sigma[least]:.3g} "
             f"(margin {mechanism.singularity:g})",
             where=mechanism.name,
-            hint=_advice(mechanism, assembly),
+            hint=advice(mechanism, assembly),
         )
     return closed
 
@@ -173,46 +176,3 @@ def _transmission(assembly: Assembly, closed: Closed, shape: tuple[int, ...]) ->
     part = np.zeros((len(closed.q), *shape[1:]))
     part[:, loop.dependent[:, None], assembly.places] = follow_up
     return part
-
-
-def _gap(assembly: Assembly, closed: Closed) -> Array:
-    """Largest gap (N,) of any one equality, m."""
-    starts = np.cumsum([0] + [len(item.factor) for item in assembly.loop.equalities[:-1]])
-    return assembly.loop.reach * np.sqrt(np.add.reduceat(closed.error**2, starts, axis=1).max(axis=1))
-
-
-def pose_text(mechanism: Mechanism, driven: Array, only: NDArray[np.int_] | None = None) -> str:
-    """Driven positions (nd,) in words, degrees or millimetres; only names the columns to mention."""
-    columns = range(len(driven)) if only is None else [int(column) for column in only]
-    slides = [unit == "N" for unit in mechanism.driven_units]
-    values = [f"{driven[i] * 1e3:.4g} mm" if slides[i] else f"{np.degrees(driven[i]):.4g} deg" for i in columns]
-    return ", ".join(f"{mechanism.driven[i]} = {value}" for i, value in zip(columns, values, strict=True))
-
-
-def _advice(mechanism: Mechanism, assembly: Assembly, limit: str = "") -> str:
-    joints = " or ".join(mechanism.driven[i] for i in assembly.places[assembly.curved])
-    return f"reduce the range of {joints}{limit}, name another keyframe as `branch`, or lower the margin `singularity`"
-
-
-def _blocked(
-    mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, blocked: Blocked, driven: Array
-) -> LoopError:
-    """What stopped the walk to a pose: no closed posture there, or a singularity on every way."""
-    loop = assembly.loop
-    goal = loop.move(blocked.last.q, (blocked.target - blocked.stop)[None], loop.driven)
-    best = loop.newton(evaluate, goal, goal=_ROUNDING, turns=60)
-    gap = float(_gap(assembly, best)[0])
-    reached = driven.copy()
-    reached[assembly.places] = blocked.stop * loop.columns[loop.driven]
-    where, stop = assembly.places, pose_text(mechanism, reached, assembly.places)
-    if gap > _ROUNDING * loop.reach:
-        what = f"the loops do not close at {pose_text(mechanism, driven, where)}: the gap is {gap * 1e3:.4g} mm"
-    else:
-        what = f"a singularity bars the way to {pose_text(mechanism, driven, where)} (gap 0 mm there)"
-    more = f"; {blocked.others} more poses likewise" if blocked.others else ""
-    return LoopError(
-        f"{what}; the branch ends near {stop}, where the singular value is {blocked.lowest:.3g} "
-        f"(margin {mechanism.singularity:g}){more}",
-        where=mechanism.name,
-        hint=_advice(mechanism, assembly, f" to end before {stop}" if len(where) == 1 else ""),
-    )

@@ -8,25 +8,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.posture import Evaluator
-from equipoise.walk import Closed, Loop, walk
+from equipoise.loops.posture import Evaluator
+from equipoise.loops.walk import Closed, Loop, Walk, walk
 
 CELL = 0.25  # spacing of the thin set and width of a shell, rad or characteristic lengths
 ATTEMPTS = 6  # neighbours a pose is tried from before it counts as out of reach
-GROUP = 64
 _CHUNK = 16384
 
 
 @dataclass(frozen=True, eq=False)
 class Blocked:
-    """A pose that no walk reached: its number and target (k,), the last closed posture and where that stands.
+    """A pose that no walk reached: its number, the last closed posture (one row), how far ahead (k,) the pose is.
 
-    lowest is the least singular value met on the way, others the number of further poses not reached.
+    stop (k,) is where the walk met its wall, lowest the least singular value met, others the number of
+    further poses not reached.
     """
 
     index: int
-    target: Array
     last: Closed
+    ahead: Array
     stop: Array
     lowest: float
     others: int
@@ -43,16 +43,11 @@ class Roadmap:
         """Distance (T,) of targets to the nearest closed posture."""
         return self._nearest(targets, 1)[0][:, 0]
 
-    def reach(self, targets: Array, attempt: int = 0) -> tuple[NDArray[np.bool_], Closed, Array, Array]:
-        """Walk to targets (T, k) from their nearest posture but `attempt`.
-
-        Returns which arrived, where the walks ended, the driven positions there and the least singular values.
-        """
+    def reach(self, targets: Array, attempt: int = 0) -> tuple[Walk, Array]:
+        """Walk to targets (T, k) from their nearest posture but `attempt`; with the driven positions at the start."""
         parents = self._nearest(targets, attempt + 1)[1][:, -1]
         begin = self.driven[parents]
-        done = walk(self._loop, self._evaluate, self.closed.rows(parents), targets - begin)
-        stop = begin + done.share[:, None] * (targets - begin)
-        return done.arrived, done.closed, stop, done.lowest
+        return walk(self._loop, self._evaluate, self.closed.rows(parents), targets - begin), begin
 
     def add(self, closed: Closed, driven: Array) -> None:
         """Keep more closed postures."""
@@ -84,9 +79,9 @@ def follow(loop: Loop, evaluate: Evaluator, origin: Closed, here: Array, targets
     late = []
     for first in range(0, len(rest), _CHUNK):
         part = rest[first : first + _CHUNK]
-        arrived, closed, _, _ = road.reach(targets[part])
-        postures[part[arrived]] = closed.q[arrived]
-        late.append(part[~arrived])
+        done, _ = road.reach(targets[part])
+        postures[part[done.arrived]] = done.closed.q[done.arrived]
+        late.append(part[~done.arrived])
     blocked = _insist(road, targets, np.concatenate(late), postures) if late else None
     return postures if blocked is None else blocked
 
@@ -110,38 +105,45 @@ def _grow(road: Roadmap, targets: Array, here: Array, thin: NDArray[np.int_], po
             ring = ring[near]
         if not ring.size:
             continue
-        arrived, closed, _, _ = road.reach(targets[ring])
-        keep = np.flatnonzero(arrived)
-        postures[ring[keep]] = closed.q[keep]
-        road.add(closed.rows(keep), targets[ring[keep]])
-        if len(keep) < len(ring):
-            late.append(ring[~arrived])
+        ring = _settle(road, targets, ring, road.reach(targets[ring])[0], postures)
+        if ring.size:
+            late.append(ring)
     return _insist(road, targets, np.concatenate(late), postures) if late else None
 
 
+def _settle(road: Roadmap, targets: Array, wanted: NDArray[np.int_], done: Walk, postures: Array) -> NDArray[np.int_]:
+    """Keep the poses that walks reached; returns those that they did not."""
+    keep = np.flatnonzero(done.arrived)
+    postures[wanted[keep]] = done.closed.q[keep]
+    road.add(done.closed.rows(keep), targets[wanted[keep]])
+    return wanted[~done.arrived]
+
+
 def _insist(road: Roadmap, targets: Array, late: NDArray[np.int_], postures: Array) -> Blocked | None:
-    """Try poses again, nearest first, each from several closed neighbours."""
+    """Try poses again, nearest first, each from several closed neighbours.
+
+    One that cannot be reached condemns the call, so groups are small until they succeed.
+    """
+    size = 4
     while late.size:
         late = late[np.argsort(road.distance(targets[late]), kind="stable")]
-        group, late = late[:GROUP], late[GROUP:]
-        first = None
-        for attempt in range(ATTEMPTS):
-            arrived, closed, stop, lowest = road.reach(targets[group], attempt)
-            keep = np.flatnonzero(arrived)
-            postures[group[keep]] = closed.q[keep]
-            road.add(closed.rows(keep), targets[group[keep]])
-            first = first or (group, closed, stop, lowest)
-            group = group[~arrived]
-            if not group.size:
-                break
-        if group.size and first:
-            row = np.flatnonzero(first[0] == group[0])
+        group, late = late[:size], late[size:]
+        tried = group
+        first, begin = road.reach(targets[group])
+        group = _settle(road, targets, group, first, postures)
+        for attempt in range(1, min(ATTEMPTS, len(road.driven))):
+            if group.size:
+                group = _settle(road, targets, group, road.reach(targets[group], attempt)[0], postures)
+        if group.size:
+            row = np.flatnonzero(tried == group[0])
+            way = (targets[group] - begin[row])[0]
             return Blocked(
                 index=int(group[0]),
-                target=targets[group[0]],
-                last=first[1].rows(row),
-                stop=first[2][row[0]],
-                lowest=float(first[3][row[0]]),
+                last=first.closed.rows(row),
+                ahead=(1.0 - first.share[row[0]]) * way,
+                stop=begin[row[0]] + first.wall[row[0]] * way,
+                lowest=float(first.lowest[row[0]]),
                 others=len(group) - 1 + len(late),
             )
+        size *= 2
     return None

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.constraints import Equality, residual
-from equipoise.posture import Evaluator, integrate
+from equipoise.loops.constraints import Equality, residual
+from equipoise.loops.posture import Evaluator, integrate
 
 Flags = NDArray[np.bool_]
 STEP = 0.2  # largest motion of any joint in one step, rad or characteristic lengths
@@ -99,8 +99,11 @@ class Loop:
         motion[:, dofs] = step * self.columns[dofs]
         return integrate(self.model, q, motion)
 
-    def newton(self, evaluate: Evaluator, q: Array, *, goal: float, turns: int) -> Closed:
-        """Newton's steps of the dependent dofs until every residual is below goal, or turns are used up."""
+    def newton(self, evaluate: Evaluator, q: Array, *, goal: float, turns: int, stride: float = 0.5) -> Closed:
+        """Newton's steps of the dependent dofs until every residual is below goal, or turns are used up.
+
+        No step is longer than stride.
+        """
         closed = self.linearise(evaluate, q)
         for _ in range(turns):
             late = np.flatnonzero(closed.worst > goal)
@@ -109,7 +112,7 @@ class Loop:
             now = closed.rows(late)
             step = -(now.inverse @ now.error[:, :, None])[..., 0]
             longest = np.abs(step).max(axis=1, keepdims=True)
-            step *= np.minimum(1.0, 0.5 / np.maximum(longest, 1e-300))
+            step *= np.minimum(1.0, stride / np.maximum(longest, 1e-300))
             closed.put(late, self.linearise(evaluate, self.move(now.q, step, self.dependent)))
         return closed
 
@@ -118,12 +121,14 @@ class Loop:
 class Walk:
     """Where walks ended: the last closed postures, whether they are at their targets, and what stopped them.
 
-    share (N,) is the part of the way that was walked, lowest (N,) the smallest singular value met.
+    share (N,) is the part of the way that was walked, wall (N,) the part at which the walk was stopped (the
+    singular posture ahead, if one was seen), lowest (N,) the smallest singular value met.
     """
 
     closed: Closed
     arrived: Flags
     share: Array
+    wall: Array
     lowest: Array
 
 
@@ -135,7 +140,7 @@ def walk(loop: Loop, evaluate: Evaluator, start: Closed, span: Array) -> Walk:
     the walk cannot slip to another branch. Otherwise the step is halved until it is too small to go on.
     """
     now = start.rows(np.arange(len(span)))
-    share, lowest = np.zeros(len(span)), now.sigma.copy()
+    share, wall, lowest = np.zeros(len(span)), np.zeros(len(span)), now.sigma.copy()
     size = np.ones(len(span))
     arrived = np.zeros(len(span), dtype=bool)
     active = np.arange(len(span))
@@ -153,11 +158,19 @@ def walk(loop: Loop, evaluate: Evaluator, start: Closed, span: Array) -> Walk:
         lowest[active[sound]] = np.minimum(lowest[active[sound]], there.sigma[sound])
         now.put(active[taken], there.rows(np.flatnonzero(taken)))
         share[active[taken]] += part[taken]
-        size[active] = np.where(taken, np.minimum(1.0, 2.0 * part), 0.5 * part)
+        size[active] = np.where(taken, np.minimum(2.0 * part, 0.75 * _room(here, there, part)), 0.5 * part)
         arrived[active] = share[active] >= 1.0 - 1e-12
-        stuck = (sound & ~taken) | (~sound & (part * speed < SMALLEST))
+        barred = sound & ~taken
+        wall[active] = share[active] + np.where(barred, part, 0.0)
+        stuck = barred | (~sound & (part * speed < SMALLEST))
         active = active[~arrived[active] & ~stuck]
-    return Walk(now, arrived, share, lowest)
+    return Walk(now, arrived, share, wall, lowest)
+
+
+def _room(here: Closed, there: Closed, part: Array) -> Array:
+    """How far ahead (N,) the singular value vanishes if its square falls on linearly, as at the end of a branch."""
+    drop = here.sigma**2 - there.sigma**2
+    return np.where(drop > 0.0, part * there.sigma**2 / np.where(drop > 0.0, drop, 1.0), np.inf)
 
 
 def _turn(here: Closed, there: Closed) -> Array:

@@ -1,0 +1,215 @@
+"""The answer: what to add, what it does, and how good it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from equipoise import __version__
+from equipoise.assemble import Balancer
+from equipoise.balancers.spring import Spring
+from equipoise.limits import Limit
+from equipoise.mechanism import Mechanism
+from equipoise.objective import Aim
+from equipoise.states import States
+from equipoise.sweep import Sweep
+
+if TYPE_CHECKING:
+    from equipoise.verify.verification import Verification
+
+
+@dataclass(frozen=True)
+class Row:
+    """One joint's effort over the sweep: the polished peak, the sampled one, rms and mean, the motor's limit."""
+
+    peak: float
+    sample_peak: float
+    rms: float
+    mean: float
+    unit: str
+    limit: float | None = None
+
+    def json(self) -> dict[str, Any]:
+        """The row as design.json holds it."""
+        return {
+            "peak": self.peak,
+            "sample_peak": self.sample_peak,
+            "rms": self.rms,
+            "mean": self.mean,
+            "limit": self.limit,
+            "unit": self.unit,
+        }
+
+
+@dataclass(frozen=True)
+class Active:
+    """A limit or bound that holds the optimum: its price is the objective gained per unit of relaxing it."""
+
+    limit: str
+    price: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """How good the answer is, recomputed from the problem's data.
+
+    kind `exact` (residual at rounding level, also off the grid), `convex` (primal, dual and gap) or `local`
+    (starts, how many different optima, the spread of their values, what one more step would gain).
+    """
+
+    kind: str
+    primal: float
+    dual: float
+    unit: str
+    violation: float
+    starts: int = 0
+    optima: int = 0
+    spread: float = 0.0
+    stationarity: float = 0.0
+    active: tuple[Active, ...] = ()
+    floors: tuple[str, ...] = ()
+    flat: tuple[str, ...] = ()
+
+    @property
+    def gap(self) -> float:
+        """primal - dual."""
+        return self.primal - self.dual
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A mechanism with its balancers found: values of all unknowns, rows before and after, certificate.
+
+    values {name: SI value} and units {name: unit} of the unknowns; geometry {parameter: value} that shape
+    moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
+    whose poses were found between the samples; problem is the file it came from, where there was one.
+    """
+
+    mechanism: Mechanism
+    balancers: tuple[Balancer, ...]
+    sweep: Sweep
+    states: States
+    objective: tuple[Aim, ...]
+    limits: tuple[Limit, ...]
+    values: Mapping[str, float]
+    units: Mapping[str, str]
+    before: Mapping[str, Row]
+    after: Mapping[str, Row]
+    certificate: Certificate
+    geometry: Mapping[str, float] = field(default_factory=dict)
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    seed: int = 0
+    refined: int = 0
+    notes: tuple[str, ...] = ()
+    verification: Verification | None = None
+    problem: Mapping[str, Any] | None = None
+
+    @property
+    def norm(self) -> str:
+        """The norm that was made small."""
+        return next(aim.norm for aim in self.objective if aim.cap is None)
+
+    def residual(self, states: States) -> np.ndarray:
+        """Holding effort (N, nd) with the balancers, at any states."""
+        from equipoise.assemble import effort
+
+        total = effort(self.mechanism, self.balancers, states)
+        return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
+
+    def parts(self) -> list[dict[str, Any]]:
+        """One entry per part: what it is, where it goes, and what it does over the sweep, SI units."""
+        return [_spring_part(self, b) if isinstance(b, Spring) else _weight_part(self, b) for b in self.balancers]
+
+    @property
+    def missed(self) -> str:
+        """Why `objective.target` is missed, or nothing."""
+        for aim in self.objective:
+            if aim.target is not None:
+                joints = aim.counted(self.mechanism)
+                reached = max(getattr(self.after[joint], aim.norm) for joint in joints)
+                if reached > aim.target:
+                    unit = aim.unit(self.mechanism)
+                    return f"the {aim.norm} is {reached:.4g} {unit}, the target {aim.target:.4g} {unit}"
+        return ""
+
+    def json(self) -> dict[str, Any]:
+        """The design as design.json holds it."""
+        certificate = self.certificate
+        return {
+            "equipoise": __version__,
+            "problem": self.problem,
+            "mechanism": {"name": self.mechanism.name, "mass": self.mechanism.mass, "driven": self.mechanism.driven},
+            "sweep": self.sweep.describe(),
+            "refined": self.refined,
+            "seed": self.seed,
+            "unknowns": {name: {"value": value, "unit": self.units[name]} for name, value in self.values.items()},
+            "geometry": {name: {"value": value, "unit": self.units[name]} for name, value in self.geometry.items()},
+            "norm": self.norm,
+            "before": {name: row.json() for name, row in self.before.items()},
+            "after": {name: row.json() for name, row in self.after.items()},
+            "certificate": {
+                "kind": certificate.kind,
+                "primal": certificate.primal,
+                "dual": certificate.dual,
+                "gap": certificate.gap,
+                "unit": certificate.unit,
+                "violation": certificate.violation,
+                "starts": certificate.starts,
+                "optima": certificate.optima,
+                "spread": certificate.spread,
+                "stationarity": certificate.stationarity,
+                "active": [vars(active) for active in certificate.active],
+                "floors": certificate.floors,
+                "flat": certificate.flat,
+            },
+            "verification": self.verification.json() if self.verification else None,
+            "parts": self.parts(),
+            "notes": self.notes,
+            "cite": self.cite(),
+        }
+
+    def cite(self) -> list[str]:
+        """Keys in references.bib of what the design relies on."""
+        keys = ["mujoco", "clarabel"]
+        for balancer in self.balancers:
+            keys += list(getattr(type(balancer), "sources", ()))
+            keys += list(getattr(type(getattr(balancer, "law", None)), "sources", ()))
+            keys += list(getattr(type(getattr(balancer, "mass", None)), "sources", ()))
+        return list(dict.fromkeys(keys))
+
+    def __str__(self) -> str:
+        from equipoise.report.words import summary
+
+        return summary(self)
+
+
+def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
+    length, force = spring.force(design.states, design.values)
+    stored = spring.effort(design.states, "storage")
+    energy = stored.at(np.array([design.values[unknown.name] for unknown in stored.unknowns]))[:, 0]
+    return {
+        "name": spring.name,
+        "kind": "spring",
+        "law": type(spring.law).__name__,
+        "parameters": spring.parameters(design.values),
+        "ends": [{"body": point.body, "at": [float(v) for v in point.at]} for point, _ in spring.path.ends()],
+        "length": [float(length.min()), float(length.max())],
+        "stroke": float(length.max() - length.min()),
+        "force": [float(force.min()), float(force.max())],
+        "energy": [float(energy.min()), float(energy.max())],
+        "mass": float(spring.own_mass),
+    }
+
+
+def _weight_part(design: Design, weight: Any) -> dict[str, Any]:
+    mass, where = weight.place(design.values)
+    return {
+        "name": weight.name,
+        "kind": "counterweight",
+        "mass": mass,
+        "ends": [{"body": weight.at.body, "at": [float(v) for v in where]}],
+    }

@@ -1,0 +1,18 @@
+"""What must hold: limits answer linear rows for the states of a sweep."""
+
+from equipoise.limits.exact import ExactAt
+from equipoise.limits.limit import Limit, Setting
+from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
+
+__all__ = [
+    "ExactAt",
+    "Force",
+    "Length",
+    "Limit",
+    "MassCap",
+    "Setting",
+    "Slack",
+    "Stiffness",
+    "Stroke",
+    "implied",
+]

@@ -1,0 +1,131 @@
+"""Geometry parameters by name: `s1.path.line.0.z` reads and replaces a number inside frozen balancers."""
+
+from __future__ import annotations
+
+import re
+import typing
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from equipoise.errors import InputError, nearest
+from equipoise.mechanism import Point
+from equipoise.units import Quantity
+
+AXES = {"x": 0, "y": 1, "z": 2}
+Item = TypeVar("Item", bound=Any)
+
+
+def tag(cls: type) -> str:
+    """The word that names a class in a problem file: ZeroFreeLength -> zero_free_length."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
+
+
+def read(balancers: Sequence[Item], name: str) -> float:
+    """The present value of a parameter; raises InputError for a name that leads nowhere."""
+    balancer, keys = _start(balancers, name)
+    value = _walk(balancer, keys, name)
+    if value is None:
+        raise InputError(
+            f"{name} is an unknown of the convex program already", where="shape", hint="remove it from `shape`"
+        )
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{name} is not a number", where="shape", hint=nearest(keys[-1], _choices(value)))
+    return float(value)
+
+
+def write(balancers: Sequence[Item], values: Mapping[str, Any]) -> tuple[Item, ...]:
+    """The same balancers with parameters replaced; values may be arrays that lead the states' axis."""
+    changed = {balancer.name: balancer for balancer in balancers}
+    for name, value in values.items():
+        balancer, keys = _start(tuple(changed.values()), name)
+        changed[balancer.name] = _replace(balancer, keys, value, name)
+    return tuple(changed.values())
+
+
+def candidates(balancers: Sequence[Item], names: Sequence[str], gamma: Any) -> tuple[Item, ...]:
+    """Balancers that carry all candidates gamma (C, G) at once, on an axis before the states'."""
+    return write(balancers, {name: np.asarray(gamma)[:, [index]] for index, name in enumerate(names)})
+
+
+def unit_of(balancers: Sequence[Item], name: str) -> str:
+    """SI unit of a parameter, from the type of the field that holds it."""
+    balancer, keys = _start(balancers, name)
+    parent = _walk(balancer, keys[:-1], name)
+    if not is_dataclass(parent) or isinstance(parent, Point):
+        return "m"
+    hints = typing.get_type_hints(type(parent), include_extras=True)
+    return next((part.unit for part in _flatten(hints.get(keys[-1])) if isinstance(part, Quantity)), "")
+
+
+def _flatten(hint: Any) -> list[Any]:
+    parts = list(getattr(hint, "__metadata__", ()))
+    for inner in getattr(hint, "__args__", ()):
+        parts += _flatten(inner)
+    return parts
+
+
+def _start(balancers: Sequence[Item], name: str) -> tuple[Item, list[str]]:
+    head, *keys = name.split(".")
+    for balancer in balancers:
+        if balancer.name == head:
+            if not keys:
+                raise InputError(f"{name!r} names no parameter", where="shape", hint=f"for example {head}.law.k")
+            return balancer, keys
+    raise InputError(
+        f"there is no balancer {head!r}", where=f"shape.{name}", hint=nearest(head, [b.name for b in balancers])
+    )
+
+
+def _walk(item: Any, keys: Sequence[str], name: str) -> Any:
+    for key in keys:
+        item = _child(item, key, name)
+    return item
+
+
+def _child(item: Any, key: str, name: str) -> Any:
+    if is_dataclass(item) and key == tag(type(item)):
+        return item
+    if isinstance(item, Point) and key in AXES:
+        return item.at[AXES[key]]
+    if is_dataclass(item):
+        names = [field.name for field in fields(item)]
+        if key.isdigit() and int(key) < len(names):
+            return getattr(item, names[int(key)])
+        if key in names:
+            return getattr(item, key)
+    elif isinstance(item, tuple) and (key in AXES or key.isdigit()):
+        index = AXES.get(key, int(key) if key.isdigit() else 0)
+        if index < len(item):
+            return item[index]
+    raise InputError(f"{key!r} leads nowhere", where=f"shape.{name}", hint=nearest(key, _choices(item)))
+
+
+def _choices(item: Any) -> list[str]:
+    if isinstance(item, Point):
+        return list(AXES)
+    if is_dataclass(item):
+        return [field.name for field in fields(item)]
+    return list(AXES) if isinstance(item, tuple) else []
+
+
+def _replace(item: Any, keys: Sequence[str], value: Any, name: str) -> Any:
+    if not keys:
+        return value
+    key, rest = keys[0], keys[1:]
+    child = _child(item, key, name)
+    if is_dataclass(item) and key == tag(type(item)):
+        return _replace(item, rest, value, name)
+    changed = _replace(child, rest, value, name)
+    if isinstance(item, Point) and key in AXES:
+        at = list(item.at)
+        at[AXES[key]] = changed
+        return replace(item, at=tuple(at))
+    if isinstance(item, tuple):
+        entries = list(item)
+        entries[AXES.get(key, int(key) if key.isdigit() else 0)] = changed
+        return tuple(entries)
+    field = [f.name for f in fields(item)][int(key)] if key.isdigit() else key
+    return replace(item, **{field: changed})

@@ -1,0 +1,237 @@
+"""Geometry around the convex program: screened starts, then sequential convex programming."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from equipoise.affine import Array, Unknown
+from equipoise.solve.convex import Working
+from equipoise.solve.exchange import Solution, solve
+from equipoise.solve.program import Program, Rows, Term, norm_value
+
+STEP = 1e-30
+PENALTY = 30.0
+MARGIN = 1e-8
+
+Build = Callable[[Array], Program]
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """One geometry parameter that may move: its name, unit and bounds."""
+
+    name: str
+    unit: str
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, eq=False)
+class Local:
+    """A local optimum: gamma (G,), the merit N + penalty * excess, what one more step would gain, iterations."""
+
+    gamma: Array
+    merit: float
+    excess: float
+    stationarity: float
+    iterations: int
+    solution: Solution
+    prices: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Optima:
+    """All starts' results, best first, and the seed that drew them."""
+
+    found: tuple[Local, ...]
+    seed: int
+
+    @property
+    def best(self) -> Local:
+        """The best local optimum."""
+        return self.found[0]
+
+    @property
+    def distinct(self) -> int:
+        """How many different merit values the starts ended in, to 0.01 % of the best and worst."""
+        merits = np.array([local.merit for local in self.found])
+        scale = max(float(np.abs(merits).max()), 1e-300)
+        return 1 + int((np.diff(np.sort(merits)) > 1e-4 * scale).sum())
+
+
+def screen(build: Build, freedoms: Sequence[Freedom], count: int, seed: int, load: float) -> tuple[Array, Array]:
+    """Sobol geometries (K, G) with the objective of their exact least-squares inner solution, best first."""
+    from scipy.stats import qmc
+
+    low, high = _bounds(freedoms)
+    unit = qmc.Sobol(len(freedoms), rng=np.random.default_rng(seed)).random_base2(max(3, int(np.ceil(np.log2(count)))))
+    gammas = low + unit * (high - low)
+    scores = []
+    for chunk in np.array_split(gammas, max(1, len(gammas) // 16)):
+        scores.append(_inner(build(chunk), len(chunk), load))
+    score = np.concatenate(scores)
+    order = np.argsort(score, kind="stable")
+    return gammas[order], score[order]
+
+
+def _inner(program: Program, count: int, load: float) -> Array:
+    """Objective of the batched least-squares solution of every candidate, limits as a penalty."""
+    P = len(program.unknowns)
+    theta = np.zeros((count, P))
+    if P:
+        gram, side = np.zeros((count, P, P)), np.zeros((count, P))
+        for term in program.terms:
+            root = np.sqrt(term.weight)[:, None]
+            A = (term.A * root[..., None]).reshape(*term.A.shape[:-3], -1, P)
+            b = (term.b * root).reshape(*term.b.shape[:-2], -1)
+            gram += np.swapaxes(A, -1, -2) @ A
+            side += (np.swapaxes(A, -1, -2) @ b[..., None])[..., 0]
+        scale = 1.0 / np.sqrt(np.maximum(np.einsum("cpp->cp", gram), 1e-300))
+        scaled = gram * scale[:, :, None] * scale[:, None, :]
+        theta = -scale * np.einsum("cpq,cq->cp", np.linalg.pinv(scaled, rcond=1e-10, hermitian=True), side * scale)
+        theta = np.clip(theta, program.lower, program.upper)
+    score = np.zeros(count)
+    for index in range(count):
+        one = program.take(index)
+        for term in one.terms:
+            value = norm_value(term.norm, term.magnitudes(term.residual(theta[index])), term.weight)
+            score[index] += term.factor * value if term.cap is None else 0.0
+        excess = max([0.0] + [float(r.excess(theta[index]).max()) / r.scale for r in one.rows if r.h.size])
+        score[index] += load * min(excess, 1e3)
+    return score
+
+
+def spread_out(gammas: Array, freedoms: Sequence[Freedom], count: int) -> Array:
+    """The first `count` of ranked geometries that keep a distance from each other, then simply the next best."""
+    low, high = _bounds(freedoms)
+    unit = (gammas - low) / np.maximum(high - low, 1e-300)
+    chosen: list[int] = []
+    for index in range(len(unit)):
+        if len(chosen) == count:
+            break
+        if all(np.abs(unit[index] - unit[other]).max() > 0.15 for other in chosen):
+            chosen.append(index)
+    rest = [index for index in range(len(unit)) if index not in chosen]
+    return gammas[(chosen + rest)[:count]]
+
+
+def _bounds(freedoms: Sequence[Freedom]) -> tuple[Array, Array]:
+    return np.array([f.lower for f in freedoms]), np.array([f.upper for f in freedoms])
+
+
+def linearise(build: Build, freedoms: Sequence[Freedom], gamma: Array, theta: Array) -> Program:
+    """The program over (theta, delta gamma): residuals and limits to first order, by complex step.
+
+    r ~ b + A theta + sum_g (db/dg + dA/dg theta0) delta_g, rows likewise; derivatives exact to rounding.
+    """
+    steps = gamma + 1j * STEP * np.eye(len(gamma))
+    program = build(steps)
+    moves = tuple(Unknown(f.name, f.unit) for f in freedoms)
+    unknowns = program.unknowns + moves
+    terms, rows = [], []
+    for term in program.terms:
+        b, A = term.b, term.A
+        if np.iscomplexobj(b) or np.iscomplexobj(A):
+            slope = _derivative(b, 2) + _derivative(A, 3) @ theta
+        else:
+            slope = np.zeros((1, *b.shape[-2:]))
+        slope = np.broadcast_to(slope, (len(gamma), *slope.shape[1:]))
+        A0 = np.concatenate([_base(A, 3), np.moveaxis(slope, 0, -1)], axis=-1)
+        terms.append(replace(term, b=_base(b, 2), A=A0))
+    for row in program.rows:
+        slope = _derivative(row.G, 2) @ theta - _derivative(row.h, 1)
+        slope = np.broadcast_to(slope, (len(gamma), slope.shape[-1]))
+        G0 = np.concatenate([_base(row.G, 2), slope.T], axis=-1)
+        rows.append(replace(row, G=G0, h=_base(row.h, 1), unknowns=unknowns))
+    return Program(unknowns, tuple(terms), tuple(rows))
+
+
+def _derivative(array: Array, rank: int) -> Array:
+    """Imaginary part over the step, with a candidate axis first (of length one where nothing depends on gamma)."""
+    slope = np.imag(array) / STEP
+    return slope if array.ndim > rank else slope[None]
+
+
+def _base(array: Array, rank: int) -> Array:
+    return np.real(array[0] if array.ndim > rank else array)
+
+
+def _within(program: Program, freedoms: Sequence[Freedom], gamma: Array, radius: float) -> Program:
+    """The linearised program with its moves kept in the trust region and the bounds."""
+    low, high = _bounds(freedoms)
+    reach = radius * (high - low)
+    lower, upper = np.maximum(low - gamma, -reach), np.minimum(high - gamma, reach)
+    fixed = len(program.unknowns) - len(freedoms)
+    moves = tuple(
+        replace(u, lower=float(lo), upper=float(hi))
+        for u, lo, hi in zip(program.unknowns[fixed:], lower, upper, strict=True)
+    )
+    unknowns = program.unknowns[:fixed] + moves
+    rows = tuple(replace(row, unknowns=unknowns) for row in program.rows)
+    return Program(unknowns, program.terms, rows)
+
+
+def descend(
+    build: Build,
+    freedoms: Sequence[Freedom],
+    gamma: Array,
+    load: float,
+    *,
+    penalty: float = PENALTY,
+    iterations: int = 60,
+    precision: float = 1e-9,
+    radius: float = 0.2,
+) -> Local:
+    """Sequential convex programming from one geometry.
+
+    Every step solves the linearised program in a trust region on the moves and is judged on the true
+    residual with theta solved anew; limits are elastic at `penalty` times the load per unit of relative excess.
+    """
+    low, high = _bounds(freedoms)
+    span = np.maximum(high - low, 1e-300)
+    price = penalty * load
+
+    def inner(at: Array, warm: Working | None) -> tuple[Solution, float]:
+        solution = solve(_tight(build(at[None]).take(0)), elastic=price, warm=warm)
+        return solution, solution.objective + price * solution.excess
+
+    here, merit = inner(gamma, None)
+    predicted, step_warm, done, prices = np.inf, None, 0, np.zeros(len(gamma))
+    for done in range(1, iterations + 1):
+        model = _tight(linearise(build, freedoms, gamma, here.theta))
+        moved = False
+        while radius > 1e-9:
+            trial_program = _within(model, freedoms, gamma, radius)
+            trial = solve(trial_program, elastic=price, warm=step_warm)
+            step_warm = trial.working
+            count = len(trial.theta) - len(gamma)
+            step = trial.theta[count:]
+            predicted = merit - (trial.objective + price * trial.excess)
+            prices = trial.prices.upper[count:] - trial.prices.lower[count:] if len(trial.prices.upper) else prices
+            if predicted <= precision * load:
+                break
+            target = np.clip(gamma + step, low, high)
+            there, value = inner(target, here.working)
+            ratio = (merit - value) / predicted
+            largest = float(np.abs(step / span).max())
+            if ratio > 0.05:
+                gamma, here, merit, moved = target, there, value, True
+                radius = min(1.0, max(radius, 2 * largest)) if ratio > 0.7 else radius if ratio > 0.3 else largest / 2
+                break
+            radius = min(radius, largest) / 4
+        if not moved:
+            break
+    at_bound = (np.abs(gamma - low) <= 1e-7 * span) | (np.abs(gamma - high) <= 1e-7 * span)
+    return Local(gamma, merit, here.excess, max(predicted, 0.0), done, here, np.where(at_bound, prices, 0.0))
+
+
+def _tight(program: Program) -> Program:
+    """The program with every limit a hair tighter, so that its answer passes the exact limits."""
+    rows = tuple(r if r.equality else replace(r, h=r.h - MARGIN * r.scale) for r in program.rows)
+    return replace(program, rows=rows)
+
+
+__all__ = ["Freedom", "Local", "Optima", "Rows", "Term", "descend", "linearise", "screen", "spread_out"]

@@ -1,0 +1,249 @@
+"""balance: the best values of all unknowns at a given geometry, with a certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.assemble import Balancer, build, check, effort, thrift
+from equipoise.design import Active, Certificate, Design
+from equipoise.errors import InfeasibleError, InputError
+from equipoise.limits import Limit
+from equipoise.mechanism import Mechanism
+from equipoise.objective import Aim, as_objective
+from equipoise.peaks import polish
+from equipoise.solve.exchange import Solution, solve
+from equipoise.solve.program import Norm, Program
+from equipoise.states import States
+from equipoise.sweep import Sweep
+from equipoise.verbs.analyze import Evaluate, table, worst
+
+EXACT = 1e-9
+ROUNDS = 12
+BETWEEN = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One balancing question: what moves, what is added, where, and what shall be small or kept."""
+
+    mechanism: Mechanism
+    balancers: tuple[Balancer, ...]
+    sweep: Sweep
+    objective: tuple[Aim, ...]
+    limits: tuple[Limit, ...]
+
+    def program(self, states: States, balancers: Sequence[Balancer] | None = None) -> Program:
+        """The program over given states, at this or another geometry."""
+        return build(self.mechanism, balancers or self.balancers, self.sweep, states, self.objective, self.limits)
+
+
+@dataclass(frozen=True, eq=False)
+class Balanced:
+    """A solved task: its states (those found between the samples included), program and solution."""
+
+    task: Task
+    states: States
+    program: Program
+    solution: Solution
+    refined: int
+
+
+def balance(
+    mechanism: Mechanism,
+    balancers: Sequence[Balancer],
+    sweep: Sweep,
+    *,
+    norm: Norm | None = None,
+    objective: Aim | Sequence[Aim] | None = None,
+    limits: Sequence[Limit] = (),
+) -> Design:
+    """Find all unknowns of the balancers at their given geometry: one convex program with a certificate.
+
+    min_theta N(b + A theta) subject to the limits; norm rms, peak or mean (default rms), or `objective` for
+    weights, caps, joints and divisors. With a Sobol sweep and the peak norm, poses between the samples that
+    exceed the peak are added until none does. Raises InfeasibleError naming the limits that conflict.
+    """
+    task = task_of(mechanism, balancers, sweep, norm, objective, limits)
+    return finish(settle(task), {}, {}, 0)
+
+
+def task_of(
+    mechanism: Mechanism,
+    balancers: Sequence[Balancer],
+    sweep: Sweep,
+    norm: Norm | None,
+    objective: Aim | Sequence[Aim] | None,
+    limits: Sequence[Limit],
+) -> Task:
+    """Check the pieces of a question and put them together."""
+    if not balancers:
+        raise InputError("there is no balancer", where="balancers", hint="add a spring or a counterweight")
+    check(mechanism, balancers)
+    return Task(mechanism, tuple(balancers), sweep, as_objective(norm, objective), tuple(limits))
+
+
+def settle(task: Task) -> Balanced:
+    """Solve at the task's geometry; refine between the samples; settle what is free by least stored energy."""
+    started = len(task.sweep.poses)
+    for _ in range(ROUNDS):
+        states = task.mechanism.states(task.sweep)
+        program = task.program(states)
+        solution = saved(task, states, program, solve(program))
+        found = _between(task, states, program, solution)
+        if not len(found):
+            break
+        task = replace(task, sweep=task.sweep.extended(found))
+    return Balanced(task, states, program, solution, len(states.driven) // len(task.sweep.scenarios) - started)
+
+
+def saved(task: Task, states: States, program: Program, solution: Solution) -> Solution:
+    """Of all equally good values the ones with the least stored energy; unchanged where nothing is free."""
+    single = len([term for term in program.terms if term.cap is None]) == 1
+    load = sum(program.loads)
+    if not single or not program.unknowns or (not len(solution.flat) and program.terms[0].norm == "rms"):
+        return solution
+    value = max(solution.objective, 1e-13 * load)
+    lean = thrift(program, task.balancers, states, value * (1 + 1e-8))
+    if lean.terms[0].value(solution.theta) <= 0:
+        return solution
+    try:
+        thrifty = solve(lean)
+    except InfeasibleError:
+        return solution
+    spared = lean.terms[0].value(thrifty.theta) < (1 - 1e-4) * lean.terms[0].value(solution.theta)
+    sound = program.objective(thrifty.theta) <= value * (1 + 1e-6) and program.violation(thrifty.theta) <= 1e-7
+    return replace(solution, theta=thrifty.theta) if spared and sound else solution
+
+
+def _between(task: Task, states: States, program: Program, solution: Solution) -> Array:
+    """Poses between the samples whose peak exceeds the solved one; none for grids, lists and other norms."""
+    aims = [aim for aim in task.objective if aim.cap is None]
+    if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak":
+        return np.zeros((0, states.driven.shape[1]))
+    columns = [task.mechanism.driven.index(joint) for joint in aims[0].counted(task.mechanism)]
+    scale = aims[0].scales(task.mechanism)
+
+    def residual(other: States) -> Array:
+        return effort(task.mechanism, task.balancers, other).at(solution.theta)[:, columns] * scale
+
+    sampled = np.abs(residual(states)).reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
+    peaks = polish(
+        lambda poses: worst(task.mechanism, task.sweep, poses, residual), task.sweep.poses, sampled, task.sweep.box
+    )
+    level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
+    load = max(float(np.abs(term.b).max()) for term in program.terms)
+    return peaks.pose[peaks.value > level * (1 + BETWEEN) + 1e-12 * load]
+
+
+def finish(
+    balanced: Balanced,
+    geometry: Mapping[str, float],
+    bounds: Mapping[str, tuple[float, float]],
+    seed: int,
+    certificate: Certificate | None = None,
+    units: Mapping[str, str] | None = None,
+    notes: tuple[str, ...] = (),
+) -> Design:
+    """Put a solved task into words and tables."""
+    task, states = balanced.task, balanced.states
+    theta = balanced.solution.theta
+    names = [unknown.name for unknown in balanced.program.unknowns]
+
+    def residual(other: States) -> Array:
+        return effort(task.mechanism, task.balancers, other).at(theta)
+
+    before = table(task.mechanism, task.sweep, states, states.holding, lambda other: other.holding)
+    after = table(task.mechanism, task.sweep, states, residual(states), residual)
+    return Design(
+        mechanism=task.mechanism,
+        balancers=task.balancers,
+        sweep=task.sweep,
+        states=states,
+        objective=task.objective,
+        limits=task.limits,
+        values=dict(zip(names, theta.tolist(), strict=True)),
+        units={u.name: u.unit for u in balanced.program.unknowns} | dict(units or {}),
+        before=before,
+        after=after,
+        certificate=certificate or certify(balanced, residual),
+        geometry=dict(geometry),
+        bounds=dict(bounds),
+        seed=seed,
+        refined=balanced.refined,
+        notes=notes,
+    )
+
+
+def certify(balanced: Balanced, residual: Evaluate) -> Certificate:
+    """The certificate of a fixed geometry: `exact` where nothing is left, also off the grid, else `convex`."""
+    task, program, solution = balanced.task, balanced.program, balanced.solution
+    aim = next(aim for aim in task.objective if aim.cap is None)
+    unit = aim.unit(task.mechanism)
+    gap = solution.gap
+    primal = program.objective(solution.theta)
+    kind = "exact" if is_exact(balanced, residual) else "convex"
+    flat = tuple(_direction(vector, program) for vector in solution.flat)
+    return Certificate(
+        kind, primal, min(gap.dual, primal), unit, max(0.0, program.violation(solution.theta)),
+        active=active_limits(program, solution, unit), floors=floors(program, solution, task, aim), flat=flat,
+    )
+
+
+def is_exact(balanced: Balanced, residual: Evaluate) -> bool:
+    """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other poses of its box."""
+    task, program = balanced.task, balanced.program
+    load = max(program.loads)
+    left = max(float(np.abs(term.residual(balanced.solution.theta)).max()) for term in program.terms)
+    if load == 0 or left > EXACT * load:
+        return False
+    if task.sweep.box is None:
+        return True
+    box = task.sweep.box
+    poses = box[:, 0] + np.random.default_rng(0).random((256, len(box))) * (box[:, 1] - box[:, 0])
+    states = task.mechanism.states(task.sweep.at_poses(poses))
+    columns = [task.mechanism.driven.index(j) for aim in task.objective for j in aim.counted(task.mechanism)]
+    scale = np.concatenate([aim.scales(task.mechanism) for aim in task.objective])
+    return bool(np.abs(residual(states)[:, columns] * scale).max() <= EXACT * load)
+
+
+def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Active, ...]:
+    """Limits and bounds of unknowns that carry a price, the dearest first (in shares of the objective)."""
+    found: list[tuple[float, Active]] = []
+    scales = {rows.limit: (rows.scale, rows.unit) for rows in program.rows}
+    for limit, price in solution.prices.limits.items():
+        scale, limit_unit = scales[limit]
+        found.append((price * scale, Active(limit, price, f"{unit} per {limit_unit}")))
+    for side, prices, values in (
+        (">=", solution.prices.lower, program.lower),
+        ("<=", solution.prices.upper, program.upper),
+    ):
+        for unknown, price, value in zip(program.unknowns, prices, values, strict=False):
+            if not np.isfinite(value):
+                continue
+            size = price * max(abs(value), program.scale[program.unknowns.index(unknown)])
+            found.append((size, Active(f"{unknown.name} {side} {value:g}", float(price), f"{unit} per {unknown.unit}")))
+    worth = 1e-6 * max(solution.objective, 1e-300)
+    return tuple(active for size, active in sorted(found, key=lambda pair: -pair[0]) if size > worth)
+
+
+def floors(program: Program, solution: Solution, task: Task, aim: Aim) -> tuple[str, ...]:
+    """Joints that hold the peak up although no unknown reaches them."""
+    term = next(term for term in program.terms if term.cap is None)
+    if term.norm != "peak" or term.value(solution.theta) <= 1e-9 * np.abs(term.b).max():
+        return ()
+    share = solution.prices.share[term.name]
+    joints = aim.counted(task.mechanism)
+    reach = np.abs(term.A).max(axis=(0, 2)) if term.A.shape[-1] else np.zeros(len(joints))
+    load = float(np.abs(term.b).max())
+    dead = reach * np.abs(solution.theta).max(initial=0.0) <= 1e-9 * load
+    return tuple(joint for joint, part, none in zip(joints, share, dead, strict=True) if part > 0.05 and none)
+
+
+def _direction(vector: Array, program: Program) -> str:
+    relative = np.abs(vector / program.scale)
+    names = [u.name for u, size in zip(program.unknowns, relative, strict=True) if size > 1e-3 * relative.max()]
+    return " and ".join(names) + (" trade freely" if len(names) > 1 else " changes nothing")

@@ -1,0 +1,281 @@
+"""shape: geometry and unknowns together, from screened and seeded starts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.assemble import Balancer, effort, thrift
+from equipoise.design import Active, Certificate, Design
+from equipoise.errors import EquipoiseError, InputError
+from equipoise.limits import Limit
+from equipoise.mechanism import Mechanism
+from equipoise.objective import Aim
+from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.solve.program import Norm, Program
+from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, linearise, screen, spread_out
+from equipoise.states import States
+from equipoise.sweep import Sweep
+from equipoise.verbs.balance import Balanced, Task, active_limits, certify, finish, floors, is_exact, settle, task_of
+
+COARSE = 400
+PER_START = 24
+
+Progress = Callable[[int, int, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """A task with its freedoms: builders over few and over all states."""
+
+    task: Task
+    freedoms: tuple[Freedom, ...]
+
+    def builder(self, states: States) -> Build:
+        """gamma (C, G) -> the program of all candidates at once."""
+        names = [freedom.name for freedom in self.freedoms]
+        return lambda gamma: self.task.program(states, candidates(self.task.balancers, names, gamma))
+
+    def at(self, gamma: Array) -> Task:
+        """The task at one geometry."""
+        values = {freedom.name: float(value) for freedom, value in zip(self.freedoms, gamma, strict=True)}
+        return replace(self.task, balancers=write(self.task.balancers, values))
+
+
+def shape(
+    mechanism: Mechanism,
+    balancers: Sequence[Balancer],
+    sweep: Sweep,
+    free: Mapping[str, tuple[float, float]],
+    *,
+    norm: Norm | None = None,
+    objective: Aim | Sequence[Aim] | None = None,
+    limits: Sequence[Limit] = (),
+    starts: int = 24,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Design:
+    """Find geometry parameters within bounds together with all unknowns.
+
+    free maps parameter names such as `s1.path.line.0.z` to (low, high), SI. Geometries are screened with the
+    exact least-squares inner solution, the best and farthest apart become starts, each descends by sequential
+    convex programming on few states, the best finish on all. The same seed gives the same design; progress is
+    called with (starts done, starts, best value). Ctrl-C ends the search with the best design so far.
+    """
+    task = task_of(mechanism, balancers, sweep, norm, objective, limits)
+    if not free:
+        raise InputError("no geometry is free", where="shape", hint="name parameters with bounds, or use balance")
+    if starts < 1:
+        raise InputError(f"{starts} starts", where="shape", hint="use at least one")
+    search = _Search(task, tuple(_freedom(task.balancers, name, bounds) for name, bounds in free.items()))
+    states = mechanism.states(sweep)
+    load = load_of(task, states)
+    optima = _descend_all(search, states, load, starts, seed, progress)
+    if optima.best.excess > 1e-6:
+        settle(search.at(optima.best.gamma))
+        raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
+    search, best = _refine(search, optima.best, load)
+    best = _spare(search, best, load)
+    balanced = settle(search.at(best.gamma))
+    return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
+
+
+def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, float]) -> Freedom:
+    low, high = (float(bound) for bound in bounds)
+    if not (np.isfinite(low) and np.isfinite(high)):
+        raise InputError(f"the bounds of {name} are not finite", where=f"shape.{name}")
+    if low >= high:
+        raise InputError(
+            f"the bounds of {name} are reversed or equal: [{low:g}, {high:g}]",
+            where=f"shape.{name}",
+            hint="write the lower bound first, or give the value in the balancer instead",
+        )
+    if not name.endswith(".k"):
+        read(balancers, name)
+    return Freedom(name, unit_of(balancers, name), low, high)
+
+
+def load_of(task: Task, states: States) -> float:
+    """The objective of the bare mechanism, which makes tolerances and penalties relative."""
+    bare = task.mechanism.effort(states, "hold")
+    load = sum(
+        term.factor * term.value(np.zeros(0))
+        for term in (aim.term(task.mechanism, bare, states.weight) for aim in task.objective)
+        if term.cap is None
+    )
+    if not load > 0:
+        raise InputError("gravity loads none of the joints that count", where="objective", hint="check gravity, joints")
+    return load
+
+
+def _descend_all(
+    search: _Search, states: States, load: float, starts: int, seed: int, progress: Progress | None
+) -> Optima:
+    """All starts on few states, the best few distinct ones again on all."""
+    task = search.task
+    few = task.mechanism.states(_thinned(task.sweep, states)) if len(task.sweep.poses) > COARSE else states
+    coarse, fine = search.builder(few), search.builder(states)
+    ranked, _ = screen(coarse, search.freedoms, PER_START * starts, seed, 10 * load)
+    begin = spread_out(ranked, search.freedoms, starts)
+    present = _present(search)
+    if present is not None:
+        begin = np.vstack([present, begin[: starts - 1]])
+    found: list[Local] = []
+    try:
+        for done, gamma in enumerate(begin, 1):
+            found.append(descend(coarse, search.freedoms, gamma, load, precision=1e-7 if few is not states else 1e-9))
+            if progress:
+                progress(done, len(begin), min(local.merit for local in found))
+    except KeyboardInterrupt:
+        if not found:
+            raise
+    found.sort(key=lambda local: local.merit)
+    if few is not states:
+        finalists = _distinct(found, search.freedoms, 3)
+        polished = [descend(fine, search.freedoms, local.gamma, load, radius=0.05) for local in finalists]
+        rest = [local for local in found if local not in finalists]
+        found = sorted(polished, key=lambda local: local.merit) + rest
+    return Optima(tuple(found), seed)
+
+
+def _distinct(found: list[Local], freedoms: Sequence[Freedom], count: int) -> list[Local]:
+    """The best local optima that differ in value or place."""
+    chosen: list[Local] = []
+    for local in found:
+        near = any(
+            all(abs(a - b) <= 1e-2 * (f.upper - f.lower) for a, b, f in zip(local.gamma, o.gamma, freedoms, strict=True))
+            for o in chosen
+        )
+        if not near:
+            chosen.append(local)
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+def _thinned(sweep: Sweep, states: States) -> Sweep:
+    """A few hundred of the sweep's poses: an even choice and the most loaded ones."""
+    even = np.linspace(0, len(sweep.poses) - 1, COARSE * 3 // 4).astype(int)
+    loads = np.abs(states.holding).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
+    heavy = np.argsort(-loads, axis=0)[: max(1, COARSE // 4 // loads.shape[1])].ravel()
+    keep = np.union1d(even, heavy)
+    return replace(sweep, poses=sweep.poses[keep], weight=np.maximum(sweep.weight[keep], 1e-300))
+
+
+def _present(search: _Search) -> Array | None:
+    """The user's own geometry as a start, where it has one inside the bounds."""
+    try:
+        gamma = np.array([read(search.task.balancers, freedom.name) for freedom in search.freedoms])
+    except InputError:
+        return None
+    inside = all(f.lower <= value <= f.upper for f, value in zip(search.freedoms, gamma, strict=True))
+    return gamma[None] if inside else None
+
+
+def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local]:
+    """Add the poses between the samples that exceed the peak, and descend again, until none does."""
+    for _ in range(4):
+        balanced = settle(search.at(best.gamma))
+        if not balanced.refined:
+            break
+        search = replace(search, task=replace(search.task, sweep=balanced.task.sweep))
+        best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02)
+    return search, best
+
+
+def _spare(search: _Search, best: Local, load: float) -> Local:
+    """Among equally good geometries the one with the least stored energy."""
+    states = search.task.mechanism.states(search.task.sweep)
+    value = max(best.solution.objective, 1e-9 * load) * (1 + 1e-6)
+    names = [freedom.name for freedom in search.freedoms]
+    plain = search.builder(states)
+    if len([aim for aim in search.task.objective if aim.cap is None]) > 1:
+        return best
+
+    def lean(gamma: Array) -> Program:
+        return thrift(plain(gamma), candidates(search.task.balancers, names, gamma), states, value)
+
+    start = lean(best.gamma[None]).take(0)
+    stored = start.terms[0].value(best.solution.theta)
+    if not stored > 0:
+        return best
+    thrifty = descend(lean, search.freedoms, best.gamma, stored, radius=0.1, iterations=30, precision=1e-5)
+    if thrifty.excess > 1e-6 or thrifty.solution.objective > 0.99 * stored:
+        return best
+    return replace(best, gamma=thrifty.gamma, solution=thrifty.solution)
+
+
+def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:
+    task, best = balanced.task, optima.best
+
+    def residual(other: States) -> Array:
+        return effort(task.mechanism, task.balancers, other).at(balanced.solution.theta)
+
+    aim = next(aim for aim in task.objective if aim.cap is None)
+    unit = aim.unit(task.mechanism)
+    inner = certify(balanced, residual)
+    bound = [
+        Active(
+            f"{f.name} {'<=' if price > 0 else '>='} {f.upper if price > 0 else f.lower:g} {f.unit}".rstrip(),
+            float(abs(price)),
+            f"{unit} per {f.unit}" if f.unit else unit,
+        )
+        for f, price in zip(search.freedoms, best.prices, strict=True)
+        if abs(price) * (f.upper - f.lower) > 1e-6 * max(balanced.solution.objective, 1e-300)
+    ]
+    merits = [local.merit for local in optima.found]
+    certificate = Certificate(
+        "exact" if is_exact(balanced, residual) else "local",
+        inner.primal,
+        inner.dual,
+        unit,
+        inner.violation,
+        starts=len(optima.found),
+        optima=optima.distinct,
+        spread=float(max(merits) - min(merits)),
+        stationarity=best.stationarity,
+        active=tuple(bound) + active_limits(balanced.program, balanced.solution, unit),
+        floors=floors(balanced.program, balanced.solution, task, aim),
+        flat=inner.flat + _flat(search, balanced, best),
+    )
+    geometry = {f.name: float(value) for f, value in zip(search.freedoms, best.gamma, strict=True)}
+    bounds = {f.name: (f.lower, f.upper) for f in search.freedoms}
+    units = {f.name: f.unit for f in search.freedoms}
+    return finish(balanced, geometry, bounds, optima.seed, certificate, units)
+
+
+def _flat(search: _Search, balanced: Balanced, best: Local) -> tuple[str, ...]:
+    """Directions of geometry and unknowns along which the optimum does not change to first order."""
+    program = linearise(
+        search.builder(balanced.states), search.freedoms, best.gamma, balanced.solution.theta
+    )
+    term = next(term for term in program.terms if term.cap is None)
+    low = np.array([f.lower for f in search.freedoms])
+    high = np.array([f.upper for f in search.freedoms])
+    span = high - low
+    inside = (best.gamma - low > 1e-6 * span) & (high - best.gamma > 1e-6 * span)
+    count = len(program.unknowns) - len(span)
+    theta = balanced.solution.theta
+    free = np.concatenate([np.ones(count, dtype=bool), inside])
+    scale = np.concatenate([np.maximum(np.abs(theta), 1e-12), span])
+    magnitude = term.magnitudes(term.b + term.A[..., :count] @ theta)
+    if term.norm == "peak":
+        state, block = np.nonzero(magnitude >= magnitude.max() * (1 - 1e-5))
+        slopes = term.A[state, block]
+    else:
+        slopes = term.triangle[:, :-1]
+    slopes = (slopes * scale)[:, free]
+    if not slopes.size:
+        return ()
+    _, singular, vectors = np.linalg.svd(slopes)
+    rank = int((singular > 1e-6 * float(np.abs(term.b).max())).sum())
+    names = np.array([u.name for u in program.unknowns])[free]
+    # A vertex of a peak problem has as many active samples as freedoms plus one level; fewer leave freedom.
+    if rank >= len(names):
+        return ()
+    loose = np.sqrt((vectors[rank:] ** 2).sum(axis=0))
+    words = [str(name) for name, size in zip(names, loose, strict=True) if size > 0.1]
+    return (" and ".join(words) + (" trade freely; settled by least stored energy" if len(words) > 1 else " is free"),)
