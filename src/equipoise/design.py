@@ -104,7 +104,6 @@ class Design:
     bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     seed: int = 0
     refined: int = 0
-    notes: tuple[str, ...] = ()
     verification: Verification | None = None
     problem: Mapping[str, Any] | None = None
 
@@ -168,7 +167,6 @@ class Design:
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
-            "notes": self.notes,
             "cite": self.cite(),
         }
 

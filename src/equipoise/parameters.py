@@ -23,14 +23,12 @@ def tag(cls: type) -> str:
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
 
 
-def read(balancers: Sequence[Item], name: str) -> float:
-    """The present value of a parameter; raises InputError for a name that leads nowhere."""
+def read(balancers: Sequence[Item], name: str) -> float | None:
+    """The present value of a parameter, None where it is left open; raises InputError for a name that leads nowhere."""
     balancer, keys = _start(balancers, name)
     value = _walk(balancer, keys, name)
     if value is None:
-        raise InputError(
-            f"{name} is an unknown of the convex program already", where="shape", hint="remove it from `shape`"
-        )
+        return None
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{name} is not a number", where="shape", hint=nearest(keys[-1], _choices(value)))
     return float(value)

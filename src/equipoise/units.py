@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -27,6 +28,28 @@ Acceleration = Annotated[float, Quantity("m/s^2")]
 Pressure = Annotated[float, Quantity("Pa")]
 Density = Annotated[float, Quantity("kg/m^3")]
 Number = Annotated[float, Quantity("")]
+Joint = Annotated[float, Quantity("rad or m")]
+Effort = Annotated[float, Quantity("N m or N or ratio")]
+
+
+class Measured(float):
+    """A number in SI that remembers which of several admissible units its text was written in."""
+
+    unit: str
+
+    def __new__(cls, value: float, unit: str) -> Measured:
+        """The number with its unit."""
+        self = super().__new__(cls, value)
+        self.unit = unit
+        return self
+
+
+# A number and a product of powers of units: what pint evaluates stays as small as what one reads.
+_QUANTITY = re.compile(
+    r"[-+]?\s*+(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
+    r"(?:\s*+[/*]?+\s*+[^\W\d_]++|\s*+[%°]|(?:\^|\*\*)-?\d(?!\d))*+"
+)
+_NM = re.compile(r"\bNm\b|(?<=\d)Nm\b")
 
 
 @functools.cache
@@ -39,6 +62,7 @@ def _registry() -> Any:
 def to_si(value: Any, unit: str, where: str = "") -> float:
     """Turn a bare number (already SI) or text such as `12 kg` into a float in `unit`.
 
+    unit may name several, `rad or m`: text then answers a `Measured` in the one that fits.
     Raises InputError for text pint cannot read, a unit of another dimension, NaN or infinity.
     """
     if isinstance(value, bool):
@@ -55,25 +79,27 @@ def to_si(value: Any, unit: str, where: str = "") -> float:
 
 
 def _parse(text: str, unit: str, where: str) -> float:
-    import pint
-
-    if len(text) > 64 or "**" in text:
-        raise InputError(f"cannot read {text[:32]!r}... as a quantity", where=where)
+    options = unit.split(" or ")
+    example = f"write for example '1.5 {options[0]}'" if unit else "give a bare number"
+    unreadable = InputError(f"cannot read {text[:64]!r} as a quantity in {unit or 'no unit'}", where=where, hint=example)
+    if len(text) > 64 or not _QUANTITY.fullmatch(text.strip()):
+        raise unreadable
     try:
-        quantity = _registry().Quantity(text)
-        return float(quantity.to(unit or "dimensionless").magnitude)
-    except pint.DimensionalityError as error:
-        raise InputError(
-            f"{text!r} is {error.dim1 or 'dimensionless'}, expected a quantity in {unit or 'no unit'}",
-            where=where,
-            hint=f"give it in {unit}, or as a bare number in {unit}" if unit else "give a bare number",
-        ) from None
+        # Pint takes Nm for a count of yarn.
+        quantity = _registry().Quantity(_NM.sub("N m", text))
+        for option in options:
+            name = option if option not in ("", "ratio") else "dimensionless"
+            # To pint an angle is a ratio; a percentage of one is not what anybody means.
+            if quantity.is_compatible_with(name) and not (option == "rad" and "%" in text):
+                number = float(quantity.to(name).magnitude)
+                return number if len(options) == 1 else Measured(number, "" if quantity.unitless else option)
     except Exception:  # noqa: BLE001 - pint raises many kinds for malformed text
-        raise InputError(
-            f"cannot read {text!r} as a quantity in {unit or 'no unit'}",
-            where=where,
-            hint=f"write for example '1.5 {unit}'" if unit else "give a bare number",
-        ) from None
+        raise unreadable from None
+    raise InputError(
+        f"{text!r} is {quantity.dimensionality}, expected a quantity in {unit or 'no unit'}",
+        where=where,
+        hint=f"give it in {unit}, or as a bare number in SI" if unit else "give a bare number",
+    )
 
 
 def text(value: float, unit: str, digits: int = 4) -> str:

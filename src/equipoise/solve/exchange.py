@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,15 +21,47 @@ BATCH = 6
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """theta (P,), the objective, its certificate and prices; excess is the elastic slack used."""
+    """theta (P,) with the program it solves; certificate, prices and flat directions are worked out when asked for."""
 
     theta: Array
-    objective: float
-    gap: Gap
-    prices: Multipliers
-    excess: float
+    program: Program
     working: Working
-    flat: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    answer: Answer
+
+    @cached_property
+    def objective(self) -> float:
+        """The weighted sum of norms at theta."""
+        return self.program.objective(self.theta)
+
+    @property
+    def excess(self) -> float:
+        """The common relative excess over the limits that an elastic program needed."""
+        return self.answer.excess
+
+    @cached_property
+    def _certified(self) -> tuple[Gap, Multipliers]:
+        return certify(self.program, self.working, self.answer)
+
+    @property
+    def gap(self) -> Gap:
+        """Primal, dual and violation, recomputed from the program's data."""
+        return self._certified[0]
+
+    @property
+    def prices(self) -> Multipliers:
+        """Prices of limits and bounds at the optimum."""
+        return self._certified[1]
+
+    @cached_property
+    def flat(self) -> Array:
+        """Directions of theta (count, P) that change no residual: unknowns that trade freely."""
+        if not self.program.unknowns:
+            return np.zeros((0, 0))
+        scale = self.program.scale
+        factor = np.vstack([term.triangle[:, :-1] for term in self.program.terms]) * scale
+        _, singular, vectors = np.linalg.svd(factor)
+        rank = int((singular > 1e-10 * max(singular.max(initial=0.0), 1e-300)).sum())
+        return vectors[rank:] * scale
 
 
 def solve(program: Program, *, elastic: float | None = None, warm: Working | None = None) -> Solution:
@@ -37,16 +70,20 @@ def solve(program: Program, *, elastic: float | None = None, warm: Working | Non
     elastic prices a common relative excess over all limits instead of refusing; warm starts from the
     working set of a similar program. Raises InfeasibleError naming the limits that conflict.
     """
+    if warm is not None and all(term.norm == "peak" for term in program.terms) and program.unknowns:
+        working = Working([w.copy() for w in warm.terms], [w.copy() for w in warm.rows], list(warm.signs))
+        answer = _exchange(program, working, elastic)
+        return Solution(answer.theta, program, working, answer)
     start = least_squares(program)
-    working = _initial(program, start) if warm is None else _refresh(program, warm, start)
     if _plain(program, start):
-        working = Working([np.zeros(0, dtype=int) for _ in program.terms], [np.zeros(0, dtype=int) for _ in program.rows],
-                          [np.zeros((0, 0)) for _ in program.terms])
+        empty = np.zeros(0, dtype=int)
+        signs = [np.zeros((0, 0)) for _ in program.terms]
+        working = Working([empty for _ in program.terms], [empty for _ in program.rows], signs)
         answer = _plain_answer(program, start)
     else:
+        working = _initial(program, start) if warm is None else _refresh(program, warm, start)
         answer = _exchange(program, working, elastic)
-    gap, prices = certify(program, working, answer)
-    return Solution(answer.theta, gap.primal, gap, prices, answer.excess, working, _flat_directions(program))
+    return Solution(answer.theta, program, working, answer)
 
 
 def least_squares(program: Program) -> Array:
@@ -187,14 +224,3 @@ def _grow(program: Program, working: Working, answer: Answer) -> bool:
             grew |= len(grown) > len(working.rows[k])
             working.rows[k] = grown
     return grew
-
-
-def _flat_directions(program: Program) -> Array:
-    """Directions of theta (count, P) that change no residual: unknowns that trade freely."""
-    if not program.unknowns:
-        return np.zeros((0, 0))
-    scale = program.scale
-    factor = np.vstack([term.triangle[:, :-1] for term in program.terms]) * scale
-    _, singular, vectors = np.linalg.svd(factor)
-    rank = int((singular > 1e-10 * max(singular.max(initial=0.0), 1e-300)).sum())
-    return vectors[rank:] * scale

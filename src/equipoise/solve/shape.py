@@ -15,6 +15,7 @@ from equipoise.solve.program import Program, Rows, Term, norm_value
 STEP = 1e-30
 PENALTY = 30.0
 MARGIN = 1e-8
+BENT = 0.7
 
 Build = Callable[[Array], Program]
 
@@ -60,6 +61,16 @@ class Optima:
         merits = np.array([local.merit for local in self.found])
         scale = max(float(np.abs(merits).max()), 1e-300)
         return 1 + int((np.diff(np.sort(merits)) > 1e-4 * scale).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """A visited geometry with its exact inner solution."""
+
+    gamma: Array
+    program: Program
+    solution: Solution
+    merit: float
 
 
 def screen(build: Build, freedoms: Sequence[Freedom], count: int, seed: int, load: float) -> tuple[Array, Array]:
@@ -188,44 +199,65 @@ def descend(
     """Sequential convex programming from one geometry.
 
     Every step solves the linearised program in a trust region on the moves and is judged on the true
-    residual with theta solved anew; limits are elastic at `penalty` times the load per unit of relative excess.
+    residual with theta solved anew. Where curvature spoils a step, the model is shifted by what it missed and
+    solved again, so that curved valleys are followed in long steps; limits are elastic at `penalty` times the load per unit of relative excess.
     """
     low, high = _bounds(freedoms)
     span = np.maximum(high - low, 1e-300)
     price = penalty * load
 
-    def inner(at: Array, warm: Working | None) -> tuple[Solution, float]:
-        solution = solve(_tight(build(at[None]).take(0)), elastic=price, warm=warm)
-        return solution, solution.objective + price * solution.excess
+    def inner(at: Array, warm: Working | None) -> _Point:
+        program = _tight(build(at[None]).take(0))
+        solution = solve(program, elastic=price, warm=warm)
+        return _Point(at, program, solution, solution.objective + price * solution.excess)
 
-    here, merit = inner(gamma, None)
-    predicted, step_warm, done, prices = np.inf, None, 0, np.zeros(len(gamma))
+    here = inner(np.clip(gamma, low, high), None)
+    predicted, warm, trial, done, count = np.inf, None, here.solution, 0, 0
     for done in range(1, iterations + 1):
-        model = _tight(linearise(build, freedoms, gamma, here.theta))
-        moved = False
-        while radius > 1e-9:
-            trial_program = _within(model, freedoms, gamma, radius)
-            trial = solve(trial_program, elastic=price, warm=step_warm)
-            step_warm = trial.working
-            count = len(trial.theta) - len(gamma)
-            step = trial.theta[count:]
-            predicted = merit - (trial.objective + price * trial.excess)
-            prices = trial.prices.upper[count:] - trial.prices.lower[count:] if len(trial.prices.upper) else prices
+        model = _tight(linearise(build, freedoms, here.gamma, here.solution.theta))
+        count, moved = len(here.solution.theta), False
+        while radius > 1e-9 and not moved:
+            trial = solve(_within(model, freedoms, here.gamma, radius), elastic=price, warm=warm)
+            warm = trial.working
+            predicted = here.merit - (trial.objective + price * trial.excess)
             if predicted <= precision * load:
                 break
-            target = np.clip(gamma + step, low, high)
-            there, value = inner(target, here.working)
-            ratio = (merit - value) / predicted
-            largest = float(np.abs(step / span).max())
+            there = inner(np.clip(here.gamma + trial.theta[count:], low, high), here.solution.working)
+            ratio = (here.merit - there.merit) / predicted
+            if ratio < BENT:
+                bent = _within(_bend(model, there.program, trial.theta), freedoms, here.gamma, radius)
+                again = solve(bent, elastic=price, warm=warm)
+                second = inner(np.clip(here.gamma + again.theta[count:], low, high), here.solution.working)
+                if second.merit < there.merit:
+                    there, ratio = second, (here.merit - second.merit) / predicted
+            largest = float(np.abs((there.gamma - here.gamma) / span).max())
             if ratio > 0.05:
-                gamma, here, merit, moved = target, there, value, True
+                here, moved = there, True
                 radius = min(1.0, max(radius, 2 * largest)) if ratio > 0.7 else radius if ratio > 0.3 else largest / 2
-                break
-            radius = min(radius, largest) / 4
+            else:
+                radius = min(radius, max(largest, 1e-12)) / 4
         if not moved:
             break
+    gamma = here.gamma
+    priced = trial.prices.upper - trial.prices.lower
+    prices = priced[count:] if len(priced) == count + len(gamma) else np.zeros(len(gamma))
     at_bound = (np.abs(gamma - low) <= 1e-7 * span) | (np.abs(gamma - high) <= 1e-7 * span)
-    return Local(gamma, merit, here.excess, max(predicted, 0.0), done, here, np.where(at_bound, prices, 0.0))
+    excess, stationarity = here.solution.excess, max(predicted, 0.0)
+    return Local(gamma, here.merit, excess, stationarity, done, here.solution, np.where(at_bound, prices, 0.0))
+
+
+def _bend(model: Program, there: Program, x: Array) -> Program:
+    """The linear model shifted by what it missed at x = (theta, move): a second-order correction of the step."""
+    theta = x[: len(there.unknowns)]
+    terms = tuple(
+        replace(flat, b=flat.b + true.residual(theta) - flat.residual(x))
+        for flat, true in zip(model.terms, there.terms, strict=True)
+    )
+    rows = tuple(
+        flat if flat.equality else replace(flat, h=flat.h - (true.G @ theta - true.h) + (flat.G @ x - flat.h))
+        for flat, true in zip(model.rows, there.rows, strict=True)
+    )
+    return Program(model.unknowns, terms, rows)
 
 
 def _tight(program: Program) -> Program:

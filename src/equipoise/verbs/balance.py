@@ -51,6 +51,10 @@ class Balanced:
     solution: Solution
     refined: int
 
+    def residual(self, states: States) -> Array:
+        """Holding effort (N, nd) with the solution's values, at any states."""
+        return effort(self.task.mechanism, self.task.balancers, states).at(self.solution.theta)
+
 
 def balance(
     mechanism: Mechanism,
@@ -68,7 +72,8 @@ def balance(
     exceed the peak are added until none does. Raises InfeasibleError naming the limits that conflict.
     """
     task = task_of(mechanism, balancers, sweep, norm, objective, limits)
-    return finish(settle(task), {}, {}, 0)
+    balanced = settle(task)
+    return finish(balanced, certify(balanced))
 
 
 def task_of(
@@ -141,23 +146,16 @@ def _between(task: Task, states: States, program: Program, solution: Solution) -
 
 def finish(
     balanced: Balanced,
-    geometry: Mapping[str, float],
-    bounds: Mapping[str, tuple[float, float]],
-    seed: int,
-    certificate: Certificate | None = None,
+    certificate: Certificate,
+    geometry: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
     units: Mapping[str, str] | None = None,
-    notes: tuple[str, ...] = (),
+    seed: int = 0,
 ) -> Design:
     """Put a solved task into words and tables."""
-    task, states = balanced.task, balanced.states
-    theta = balanced.solution.theta
-    names = [unknown.name for unknown in balanced.program.unknowns]
-
-    def residual(other: States) -> Array:
-        return effort(task.mechanism, task.balancers, other).at(theta)
-
+    task, states, unknowns = balanced.task, balanced.states, balanced.program.unknowns
     before = table(task.mechanism, task.sweep, states, states.holding, lambda other: other.holding)
-    after = table(task.mechanism, task.sweep, states, residual(states), residual)
+    after = table(task.mechanism, task.sweep, states, balanced.residual(states), balanced.residual)
     return Design(
         mechanism=task.mechanism,
         balancers=task.balancers,
@@ -165,49 +163,51 @@ def finish(
         states=states,
         objective=task.objective,
         limits=task.limits,
-        values=dict(zip(names, theta.tolist(), strict=True)),
-        units={u.name: u.unit for u in balanced.program.unknowns} | dict(units or {}),
+        values={u.name: float(value) for u, value in zip(unknowns, balanced.solution.theta, strict=True)},
+        units={u.name: u.unit for u in unknowns} | dict(units or {}),
         before=before,
         after=after,
-        certificate=certificate or certify(balanced, residual),
-        geometry=dict(geometry),
-        bounds=dict(bounds),
+        certificate=certificate,
+        geometry=dict(geometry or {}),
+        bounds=dict(bounds or {}),
         seed=seed,
         refined=balanced.refined,
-        notes=notes,
     )
 
 
-def certify(balanced: Balanced, residual: Evaluate) -> Certificate:
+def certify(balanced: Balanced) -> Certificate:
     """The certificate of a fixed geometry: `exact` where nothing is left, also off the grid, else `convex`."""
     task, program, solution = balanced.task, balanced.program, balanced.solution
     aim = next(aim for aim in task.objective if aim.cap is None)
     unit = aim.unit(task.mechanism)
-    gap = solution.gap
     primal = program.objective(solution.theta)
-    kind = "exact" if is_exact(balanced, residual) else "convex"
-    flat = tuple(_direction(vector, program) for vector in solution.flat)
     return Certificate(
-        kind, primal, min(gap.dual, primal), unit, max(0.0, program.violation(solution.theta)),
-        active=active_limits(program, solution, unit), floors=floors(program, solution, task, aim), flat=flat,
+        kind="exact" if is_exact(balanced) else "convex",
+        primal=primal,
+        dual=min(solution.gap.dual, primal),
+        unit=unit,
+        violation=max(0.0, program.violation(solution.theta)),
+        active=active_limits(program, solution, unit),
+        floors=floors(program, balanced, np.abs(solution.theta)),
+        flat=tuple(_direction(vector, program) for vector in solution.flat),
     )
 
 
-def is_exact(balanced: Balanced, residual: Evaluate) -> bool:
+def is_exact(balanced: Balanced) -> bool:
     """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other poses of its box."""
     task, program = balanced.task, balanced.program
     load = max(program.loads)
     left = max(float(np.abs(term.residual(balanced.solution.theta)).max()) for term in program.terms)
-    if load == 0 or left > EXACT * load:
+    if left > EXACT * load:
         return False
     if task.sweep.box is None:
         return True
     box = task.sweep.box
     poses = box[:, 0] + np.random.default_rng(0).random((256, len(box))) * (box[:, 1] - box[:, 0])
-    states = task.mechanism.states(task.sweep.at_poses(poses))
-    columns = [task.mechanism.driven.index(j) for aim in task.objective for j in aim.counted(task.mechanism)]
+    other = balanced.residual(task.mechanism.states(task.sweep.at_poses(poses)))
+    columns = [task.mechanism.driven.index(joint) for aim in task.objective for joint in aim.counted(task.mechanism)]
     scale = np.concatenate([aim.scales(task.mechanism) for aim in task.objective])
-    return bool(np.abs(residual(states)[:, columns] * scale).max() <= EXACT * load)
+    return bool(np.abs(other[:, columns] * scale).max() <= EXACT * load)
 
 
 def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Active, ...]:
@@ -230,17 +230,22 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
     return tuple(active for size, active in sorted(found, key=lambda pair: -pair[0]) if size > worth)
 
 
-def floors(program: Program, solution: Solution, task: Task, aim: Aim) -> tuple[str, ...]:
-    """Joints that hold the peak up although no unknown reaches them."""
+def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...]:
+    """Joints that hold the peak up although nothing that may change, by `sizes` (P,), reaches them."""
     term = next(term for term in program.terms if term.cap is None)
-    if term.norm != "peak" or term.value(solution.theta) <= 1e-9 * np.abs(term.b).max():
+    mine = next(term for term in balanced.program.terms if term.cap is None)
+    aim = next(aim for aim in balanced.task.objective if aim.cap is None)
+    load = max(balanced.program.loads)
+    if term.norm != "peak" or balanced.solution.objective <= EXACT * load:
         return ()
-    share = solution.prices.share[term.name]
-    joints = aim.counted(task.mechanism)
-    reach = np.abs(term.A).max(axis=(0, 2)) if term.A.shape[-1] else np.zeros(len(joints))
-    load = float(np.abs(term.b).max())
-    dead = reach * np.abs(solution.theta).max(initial=0.0) <= 1e-9 * load
-    return tuple(joint for joint, part, none in zip(joints, share, dead, strict=True) if part > 0.05 and none)
+    reach = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
+    share = balanced.solution.prices.share[mine.name]
+    if not balanced.program.unknowns:
+        share = mine.magnitudes(mine.b).max(axis=0) >= balanced.solution.objective * (1 - 1e-9)
+    joints = aim.counted(balanced.task.mechanism)
+    return tuple(
+        joint for joint, part, moved in zip(joints, share, reach, strict=True) if part > 0.05 and moved <= EXACT * load
+    )
 
 
 def _direction(vector: Array, program: Program) -> str:

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.assemble import Balancer, effort, thrift
-from equipoise.design import Active, Certificate, Design
+from equipoise.assemble import Balancer, thrift
+from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
@@ -19,10 +19,12 @@ from equipoise.solve.program import Norm, Program
 from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, linearise, screen, spread_out
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.verbs.balance import Balanced, Task, active_limits, certify, finish, floors, is_exact, settle, task_of
+from equipoise.units import text
+from equipoise.verbs.balance import Balanced, Task, certify, finish, floors, settle, task_of
 
 COARSE = 400
 PER_START = 24
+AGREE = 6
 
 Progress = Callable[[int, int, float], None]
 
@@ -62,15 +64,17 @@ def shape(
 
     free maps parameter names such as `s1.path.line.0.z` to (low, high), SI. Geometries are screened with the
     exact least-squares inner solution, the best and farthest apart become starts, each descends by sequential
-    convex programming on few states, the best finish on all. The same seed gives the same design; progress is
+    convex programming on few states until six of them agree on the best value, the best finish on all. The same seed gives the same design; progress is
     called with (starts done, starts, best value). Ctrl-C ends the search with the best design so far.
     """
-    task = task_of(mechanism, balancers, sweep, norm, objective, limits)
     if not free:
         raise InputError("no geometry is free", where="shape", hint="name parameters with bounds, or use balance")
     if starts < 1:
         raise InputError(f"{starts} starts", where="shape", hint="use at least one")
-    search = _Search(task, tuple(_freedom(task.balancers, name, bounds) for name, bounds in free.items()))
+    freedoms = tuple(_freedom(balancers, name, bounds) for name, bounds in free.items())
+    open_ones = {f.name: (f.lower + f.upper) / 2 for f in freedoms if read(balancers, f.name) is None}
+    task = task_of(mechanism, write(balancers, open_ones), sweep, norm, objective, limits)
+    search = _Search(task, freedoms)
     states = mechanism.states(sweep)
     load = load_of(task, states)
     optima = _descend_all(search, states, load, starts, seed, progress)
@@ -93,8 +97,6 @@ def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, floa
             where=f"shape.{name}",
             hint="write the lower bound first, or give the value in the balancer instead",
         )
-    if not name.endswith(".k"):
-        read(balancers, name)
     return Freedom(name, unit_of(balancers, name), low, high)
 
 
@@ -129,6 +131,8 @@ def _descend_all(
             found.append(descend(coarse, search.freedoms, gamma, load, precision=1e-7 if few is not states else 1e-9))
             if progress:
                 progress(done, len(begin), min(local.merit for local in found))
+            if _settled(found, load):
+                break
     except KeyboardInterrupt:
         if not found:
             raise
@@ -139,6 +143,12 @@ def _descend_all(
         rest = [local for local in found if local not in finalists]
         found = sorted(polished, key=lambda local: local.merit) + rest
     return Optima(tuple(found), seed)
+
+
+def _settled(found: list[Local], load: float) -> bool:
+    """Whether enough starts have ended in the best value so far that more would teach nothing."""
+    best = min(local.merit for local in found)
+    return sum(local.merit <= best * (1 + 1e-4) + 1e-7 * load for local in found) >= AGREE
 
 
 def _distinct(found: list[Local], freedoms: Sequence[Freedom], count: int) -> list[Local]:
@@ -166,13 +176,10 @@ def _thinned(sweep: Sweep, states: States) -> Sweep:
 
 
 def _present(search: _Search) -> Array | None:
-    """The user's own geometry as a start, where it has one inside the bounds."""
-    try:
-        gamma = np.array([read(search.task.balancers, freedom.name) for freedom in search.freedoms])
-    except InputError:
-        return None
-    inside = all(f.lower <= value <= f.upper for f, value in zip(search.freedoms, gamma, strict=True))
-    return gamma[None] if inside else None
+    """The given geometry as a start, where it lies inside the bounds."""
+    gamma = [read(search.task.balancers, freedom.name) for freedom in search.freedoms]
+    inside = [v is not None and f.lower <= v <= f.upper for f, v in zip(search.freedoms, gamma, strict=True)]
+    return np.array([gamma], dtype=float) if all(inside) else None
 
 
 def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local]:
@@ -210,16 +217,15 @@ def _spare(search: _Search, best: Local, load: float) -> Local:
 
 def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:
     task, best = balanced.task, optima.best
-
-    def residual(other: States) -> Array:
-        return effort(task.mechanism, task.balancers, other).at(balanced.solution.theta)
-
     aim = next(aim for aim in task.objective if aim.cap is None)
     unit = aim.unit(task.mechanism)
-    inner = certify(balanced, residual)
+    inner = certify(balanced)
+    theta = balanced.solution.theta
+    wide = linearise(search.builder(balanced.states), search.freedoms, best.gamma, theta)
+    sizes = np.concatenate([np.abs(theta), [f.upper - f.lower for f in search.freedoms]])
     bound = [
         Active(
-            f"{f.name} {'<=' if price > 0 else '>='} {f.upper if price > 0 else f.lower:g} {f.unit}".rstrip(),
+            f"{f.name} {'<=' if price > 0 else '>='} {text(f.upper if price > 0 else f.lower, f.unit)}",
             float(abs(price)),
             f"{unit} per {f.unit}" if f.unit else unit,
         )
@@ -227,53 +233,41 @@ def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:
         if abs(price) * (f.upper - f.lower) > 1e-6 * max(balanced.solution.objective, 1e-300)
     ]
     merits = [local.merit for local in optima.found]
-    certificate = Certificate(
-        "exact" if is_exact(balanced, residual) else "local",
-        inner.primal,
-        inner.dual,
-        unit,
-        inner.violation,
+    certificate = replace(
+        inner,
+        kind="exact" if inner.kind == "exact" else "local",
         starts=len(optima.found),
         optima=optima.distinct,
         spread=float(max(merits) - min(merits)),
         stationarity=best.stationarity,
-        active=tuple(bound) + active_limits(balanced.program, balanced.solution, unit),
-        floors=floors(balanced.program, balanced.solution, task, aim),
-        flat=inner.flat + _flat(search, balanced, best),
+        active=tuple(bound) + inner.active,
+        floors=floors(wide, balanced, sizes),
+        flat=inner.flat + _flat(search, wide, balanced, best),
     )
     geometry = {f.name: float(value) for f, value in zip(search.freedoms, best.gamma, strict=True)}
     bounds = {f.name: (f.lower, f.upper) for f in search.freedoms}
-    units = {f.name: f.unit for f in search.freedoms}
-    return finish(balanced, geometry, bounds, optima.seed, certificate, units)
+    return finish(balanced, certificate, geometry, bounds, {f.name: f.unit for f in search.freedoms}, optima.seed)
 
 
-def _flat(search: _Search, balanced: Balanced, best: Local) -> tuple[str, ...]:
+def _flat(search: _Search, program: Program, balanced: Balanced, best: Local) -> tuple[str, ...]:
     """Directions of geometry and unknowns along which the optimum does not change to first order."""
-    program = linearise(
-        search.builder(balanced.states), search.freedoms, best.gamma, balanced.solution.theta
-    )
     term = next(term for term in program.terms if term.cap is None)
     low = np.array([f.lower for f in search.freedoms])
     high = np.array([f.upper for f in search.freedoms])
-    span = high - low
-    inside = (best.gamma - low > 1e-6 * span) & (high - best.gamma > 1e-6 * span)
-    count = len(program.unknowns) - len(span)
+    inside = (best.gamma - low > 1e-6 * (high - low)) & (high - best.gamma > 1e-6 * (high - low))
     theta = balanced.solution.theta
-    free = np.concatenate([np.ones(count, dtype=bool), inside])
-    scale = np.concatenate([np.maximum(np.abs(theta), 1e-12), span])
-    magnitude = term.magnitudes(term.b + term.A[..., :count] @ theta)
+    free = np.concatenate([np.ones(len(theta), dtype=bool), inside])
+    scale = np.concatenate([np.maximum(np.abs(theta), 1e-12), high - low])
+    magnitude = term.magnitudes(term.residual(np.concatenate([theta, np.zeros(len(low))])))
     if term.norm == "peak":
         state, block = np.nonzero(magnitude >= magnitude.max() * (1 - 1e-5))
         slopes = term.A[state, block]
     else:
         slopes = term.triangle[:, :-1]
     slopes = (slopes * scale)[:, free]
-    if not slopes.size:
-        return ()
-    _, singular, vectors = np.linalg.svd(slopes)
-    rank = int((singular > 1e-6 * float(np.abs(term.b).max())).sum())
     names = np.array([u.name for u in program.unknowns])[free]
-    # A vertex of a peak problem has as many active samples as freedoms plus one level; fewer leave freedom.
+    _, singular, vectors = np.linalg.svd(slopes)
+    rank = int((singular > 1e-6 * max(program.loads)).sum())
     if rank >= len(names):
         return ()
     loose = np.sqrt((vectors[rank:] ** 2).sum(axis=0))

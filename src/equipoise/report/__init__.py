@@ -1,0 +1,1 @@
+"""What the user reads: prose for the terminal, one HTML page, pictures."""

@@ -1,0 +1,223 @@
+"""Sentences that both the terminal and the HTML page say: parts, limits and prices, certificates, next steps."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from equipoise.design import Active, Design
+from equipoise.parameters import tag
+from equipoise.report.numbers import place, plain, quantity, shown, sig, sort_out, span
+
+STEPS = {"m": 0.01, "N": 10.0, "N/m": 100.0, "kg": 0.1, "kg m": 0.01, "rad": 0.0174532925, "N m": 1.0}
+"""How far a limit is relaxed when its price is put into words, SI."""
+
+PARAMETERS = {
+    "k": ("k", "N/m"),
+    "free_length": ("free length", "m"),
+    "closed_length": ("closed length", "m"),
+    "initial_tension": ("initial tension", "N"),
+    "preload": ("preload", "N"),
+    "k_free_length": ("k x free length", "N"),
+    "force": ("force", "N"),
+}
+
+KINDS = {
+    "exact": "Exact: nothing is left at any pose, also at poses outside the sweep, to rounding.",
+    "convex": "Convex: for this geometry no other values do better; the gap between what was found and what is "
+    "provably impossible to beat is recomputed from the problem's data.",
+    "bracketed": "Bracketed: the best value over all geometries lies between the two bounds.",
+    "local": "Local: at this geometry the values are proven best; no small change of the geometry improves it, but a "
+    "better geometry elsewhere cannot be ruled out.",
+}
+
+
+def headline(design: Design) -> str:
+    """Robot, joints, mass and what was swept, in one line."""
+    mechanism = design.mechanism
+    count = len(mechanism.driven)
+    found = f"; {design.refined} more poses found between them" if design.refined else ""
+    return (
+        f"{mechanism.name or 'mechanism'}, {count} driven joint{'s' * (count != 1)}, {plain(mechanism.mass)} kg; "
+        f"{design.sweep.describe()}{found}"
+    )
+
+
+def result(design: Design) -> str:
+    """The number that matters: the most loaded counted joint in the norm that was made small."""
+    joint = main_joint(design)
+    norm = design.norm
+    before, after = design.before[joint], design.after[joint]
+    was, left = getattr(before, norm), getattr(after, norm)
+    what = {"peak": "The peak", "rms": "The rms", "mean": "The mean"}[norm]
+    word = "holding torque" if before.unit == "N m" else "holding force"
+    start = f"{what} {word} at {joint}"
+    if left <= 1e-9 * was:
+        return f"{start} vanishes: {sig(was)} {before.unit} before, {sig(left)} {after.unit} (rounding) after."
+    change = f"falls from {sig(was)} to {sig(left)} {after.unit}" if left < was else "does not fall"
+    return f"{start} {change}, {plain(100 * left / was, 3)} % of what the motor holds without the added parts."
+
+
+def main_joint(design: Design) -> str:
+    """The counted joint that gains most, as a share of what it may supply or of the largest load."""
+    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    norm = design.norm
+    by_motor = any(aim.divisor for aim in design.objective)
+
+    def gain(joint: str) -> float:
+        before, after = design.before[joint], design.after[joint]
+        size = before.limit if by_motor and before.limit else 1.0
+        return (getattr(before, norm) - getattr(after, norm)) / size
+
+    return max((joint for joint in design.before if joint in counted), key=gain)
+
+
+def law_words(part: Mapping[str, Any], balancer: Any) -> str:
+    """`zero free length, k = 1684 N/m`."""
+    law = tag(type(balancer.law)).replace("_", " ")
+    name = {"constant": "constant force", "linear": "straight force line"}.get(law, law)
+    return ", ".join([name, *parameter_words(part["parameters"])])
+
+
+def parameter_words(parameters: Mapping[str, float]) -> list[str]:
+    """Each parameter of a law with its unit; the product k L0 is left out where the free length is known."""
+    words = []
+    for parameter, value in parameters.items():
+        if parameter == "k_free_length" and "free_length" in parameters:
+            continue
+        if parameter == "initial_tension" and value == 0:
+            continue
+        name, unit = PARAMETERS.get(parameter, (parameter.replace("_", " "), ""))
+        words.append(f"{name} = {quantity(value, unit)}" if parameter == "k" else f"{name} {quantity(value, unit)}")
+    return words
+
+
+def where_words(part: Mapping[str, Any]) -> str:
+    """`shoulder_link (0, 220, 150) mm to upper_arm_link (0, 0, 200) mm`."""
+    return "  to  ".join(f"{end['body']} {place(end)}" for end in part["ends"])
+
+
+def work_words(part: Mapping[str, Any]) -> str:
+    """Length, force and energy of a spring over the sweep."""
+    mass = f", own mass {quantity(part['mass'], 'kg', 3)}" if part.get("mass") else ""
+    slack = "; it pushes where the force is negative" if part["force"][0] < -1e-9 * part["force"][1] else ""
+    return (
+        f"length {span(*part['length'], 'm')} (stroke {quantity(part['stroke'], 'm', 3)}), "
+        f"force {span(*part['force'], 'N')}, energy up to {quantity(max(part['energy']), 'J', 3)}{mass}{slack}"
+    )
+
+
+def goal_word(design: Design) -> str:
+    """What a price lowers: `the peak`, or the weighted objective of several aims."""
+    aims = [aim for aim in design.objective if aim.cap is None]
+    return f"the {aims[0].norm}" if len(aims) == 1 else "the objective"
+
+
+def price_words(active: Active, design: Design) -> str:
+    """`stroke of s1 <= 380 mm: 10 mm more would lower the peak by 0.4 N m`."""
+    gained, _, per = active.unit.rpartition(" per ")
+    limit = limit_words(active.limit)
+    bound = re.search(r"([<>]=) *(-?[\d.]+(?:e[+-]?\d+)?)", active.limit)
+    if bound and bound[1] == ">=" and float(bound[2]) == 0 and not active.limit.startswith(("slack", "force")):
+        return f"{limit}, the bound that nature sets"
+    if not gained:
+        return f"{limit} (price {sig(active.price, 3)} {active.unit})"
+    step = STEPS.get(per, 1.0)
+    # A price is a slope: it is quoted over a step that changes the objective by less than a third.
+    while step * active.price > 0.3 * design.certificate.primal > 0:
+        step /= 10
+    amount = quantity(step, per, 2)
+    move = {"<=": f"{amount} more", ">=": f"{amount} less"}.get(bound[1] if bound else "", f"relaxing it by {amount}")
+    gain = sig(shown(step * active.price, gained)[0], 2)
+    return f"{limit}: {move} would lower {goal_word(design)} by {gain} {shown(0.0, gained)[1]}"
+
+
+def limit_words(limit: str) -> str:
+    """A limit's name with its value in mm or degrees where it is a length or an angle."""
+
+    def convert(match: re.Match[str]) -> str:
+        return quantity(float(match[1]), match[2])
+
+    return re.sub(r"(-?\d[\d.]*(?:e[+-]?\d+)?) (m|rad)(?=$|[\s);,])", convert, limit)
+
+
+def floor_words(design: Design) -> list[str]:
+    """Joints whose own load holds the objective up although no part reaches them."""
+    words = []
+    for joint in design.certificate.floors:
+        row = design.after[joint]
+        kind = "torque" if row.unit == "N m" else "force"
+        words.append(f"{joint}'s own {kind} ({sig(row.peak)} {row.unit}), which no added part reaches")
+    return words
+
+
+def limited_by(design: Design) -> list[str]:
+    """Everything that holds the optimum where it is, the dearest first."""
+    held = floor_words(design) + [price_words(active, design) for active in design.certificate.active]
+    if not held and design.certificate.kind != "exact":
+        return ["no limit or bound: only the places and kinds of the parts"]
+    return held
+
+
+def certificate_words(design: Design) -> str:
+    """Kind, gap and what is known of the geometry, in one line."""
+    c = design.certificate
+    value, unit = shown(c.primal, c.unit)
+    share = f" ({sig(c.gap / c.primal, 1)} of the value)" if c.primal > 0 else ""
+    if c.kind == "exact":
+        words = f"exact: {sig(value, 2)} {unit} left, also at poses outside the sweep"
+    else:
+        words = f"convex, gap {sig(shown(c.gap, c.unit)[0], 2)} {unit}{share}"
+    if design.geometry:
+        optima = "1 optimum" if c.optima == 1 else f"{c.optima} different optima"
+        apart = f", values up to {sig(shown(c.spread, c.unit)[0], 3)} {unit} apart" if c.optima > 1 else ""
+        words += f"; geometry: local, {c.starts} start{'s' * (c.starts != 1)}, {optima}{apart}"
+    return "; ".join([words, *c.flat])
+
+
+def next_steps(design: Design) -> list[str]:
+    """At most two things worth trying, the most promising first."""
+    c = design.certificate
+    steps = []
+    if design.missed:
+        steps.append("relax the target, free more geometry, or add a part")
+    if c.floors:
+        acting = " and ".join(c.floors)
+        steps.append(f"add a spring with {acting} between its ends: the rest cannot fall before that does")
+    bounds = [active.limit for active in c.active if active.limit.split(" ")[0] in design.geometry]
+    if bounds:
+        steps.append(f"widen the bound {limit_words(bounds[0])} if there is room")
+    elif c.active:
+        steps.append(f"relax {limit_words(c.active[0].limit)}: it costs most")
+    if not design.geometry and c.kind == "convex" and not c.floors:
+        steps.append("free the attachment points (`shape` in the problem file)")
+    if c.kind == "local" and c.optima > 1:
+        steps.append("use more starts: the search found several optima")
+    if not steps and design.verification is None:
+        steps.append("verify in simulation and write the report")
+    return steps[:2]
+
+
+def verified_words(design: Design) -> str:
+    """Engine, poses, agreement and the bound between the samples; what is missing where nothing was verified."""
+    if design.verification is None:
+        return "not yet: `equipoise verify` simulates the design at poses it never saw"
+    data = design.verification.json()
+    unit = data.get("unit", "N m")
+    error = data.get("max_abs_error")
+    agree = f": agrees to {sig(error, 2)} {unit}" if isinstance(error, int | float) else ""
+    poses = data.get("poses")
+    count = f"{poses:,}".replace(",", " ") if isinstance(poses, int) else "other"
+    passed = data.get("agrees", data.get("passed", True))
+    verdict = "" if passed else "  DISAGREES"
+    return f"{data.get('engine', 'MuJoCo')}, {count} poses the design never saw, saved file reloaded{agree}{verdict}"
+
+
+def unloaded_words(design: Design) -> str:
+    """The joints that the table leaves out, in one sentence, or nothing."""
+    _, minor, none = sort_out(design.before, design.after)
+    small = [f"{name} ({sig(max(design.before[name].peak, design.after[name].peak), 3)} {design.before[name].unit})"
+             for name in minor]  # fmt: skip
+    words = [f"under 1 % of the largest load: {', '.join(small)}"] if small else []
+    return "; ".join(words + ([f"no load: {', '.join(none)}"] if none else []))

@@ -1,0 +1,150 @@
+"""Prose for the terminal: a design and an analysis in about fifteen lines."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from equipoise.design import Design, Row
+from equipoise.report import phrases
+from equipoise.report.numbers import percent, place, plain, sig, sort_out
+
+if TYPE_CHECKING:
+    from equipoise.verbs.analyze import Analysis
+
+WIDTH = 110
+LABEL = 12
+NORMS = ("peak", "rms", "mean")
+
+
+def summary(design: Design) -> str:
+    """A design in words: what was added, what it leaves, what limits it, how sure that is, what to try next."""
+    lines = _wrap(phrases.headline(design), "")
+    lines += _rows(design)
+    left_out = phrases.unloaded_words(design)
+    lines += _wrap(left_out, "  ") if left_out else []
+    for part, balancer in zip(design.parts(), design.balancers, strict=True):
+        lines += _part(part, balancer)
+    for words in phrases.limited_by(design):
+        lines += _labelled("limited by", words)
+    if design.missed:
+        lines += _labelled("missed", design.missed)
+    lines += _labelled("certificate", phrases.certificate_words(design))
+    lines += _labelled("verified", phrases.verified_words(design))
+    for step in phrases.next_steps(design):
+        lines += _labelled("next", step)
+    return "\n".join(_blank_repeats(lines))
+
+
+def analysis(analysis: Analysis) -> str:
+    """An analysis in words: mass audit, holding torque per joint, which joints are worth a spring, the next step."""
+    mechanism = analysis.mechanism
+    count = len(mechanism.driven)
+    sweep = analysis.sweep.describe()
+    lines = _wrap(
+        f"{mechanism.name}, {count} driven joint{'s' * (count != 1)}, {plain(mechanism.mass)} kg; {sweep}", ""
+    )
+    for remark in mechanism.remarks or ("nothing to remark: masses and inertias are possible",):
+        lines += _labelled("mass audit", remark)
+    loaded = [joint for joint, row in analysis.rows.items() if joint not in sort_out(analysis.rows)[2]]
+    if loaded:
+        head = [*NORMS, "motor limit", "used", ""]
+        names = [f"{joint} [{analysis.rows[joint].unit}]" for joint in loaded]
+        body = [_analysis_cells(analysis.rows[joint], joint in analysis.worth) for joint in loaded]
+        lines += _table(names, {0: "to hold the weight"}, head, body)
+    for joint, reason in analysis.reasons.items():
+        if reason:
+            lines += _labelled("no spring", f"{joint}: {reason}")
+    lines += _labelled("next", _advice(analysis))
+    return "\n".join(_blank_repeats(lines))
+
+
+def _analysis_cells(row: Row, worth: bool) -> list[str]:
+    used = percent(row.peak / row.limit) if row.limit else ""
+    norms = [sig(getattr(row, norm)) for norm in NORMS]
+    return [*norms, _motor(row), used, "worth a spring" if worth else ""]
+
+
+def _advice(analysis: Analysis) -> str:
+    if not analysis.worth:
+        return "gravity asks little of these motors; a spring would not pay"
+    model = analysis.mechanism.model
+    joint = max(analysis.worth, key=lambda name: analysis.rows[name].peak)
+    child = int(model.jnt_bodyid[analysis.mechanism.joint_id(joint)])
+    parent, body = model.body(int(model.body_parentid[child])).name, model.body(child).name
+    return (
+        f"a spring from {parent} to {body} acts on {joint}: write it into a problem file, then `equipoise design FILE`"
+    )
+
+
+def _rows(design: Design) -> list[str]:
+    matter = sort_out(design.before, design.after)[0]
+    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    body = []
+    for joint in matter:
+        before, after = design.before[joint], design.after[joint]
+        numbers = [sig(getattr(row, norm)) for row in (before, after) for norm in NORMS]
+        body.append([*numbers, _motor(before), "" if joint in counted else "not counted"])
+    names = [f"{joint} [{design.before[joint].unit}]" for joint in matter]
+    return _table(names, {0: "before", 3: "after"}, [*NORMS, *NORMS, "motor limit", ""], body) if matter else []
+
+
+def _motor(row: Row) -> str:
+    return plain(row.limit) if row.limit is not None else "none"
+
+
+def _table(
+    names: Sequence[str], groups: Mapping[int, str], head: Sequence[str], body: Sequence[Sequence[str]]
+) -> list[str]:
+    """Right-aligned columns under their heads and groups; the last column is a remark and reads from the left."""
+    first = max(len(name) for name in names)
+    widths = [max(7, len(head[i]), *(len(row[i]) for row in body)) for i in range(len(head) - 1)]
+    gaps = [4 if index in groups or index == max(groups) + len(NORMS) else 2 for index in range(len(widths))]
+    lines = []
+    top = " " * (2 + first)
+    for index, group in groups.items():
+        start = 2 + first + sum(gaps[: index + 1]) + sum(widths[:index])
+        top = top.ljust(start + widths[index] - len(head[index])) + group
+    lines.append(top)
+    for name, cells in zip(["", *names], [head, *body], strict=True):
+        numbers = "".join(
+            " " * gap + cell.rjust(width) for cell, width, gap in zip(cells[:-1], widths, gaps, strict=True)
+        )
+        lines.append(f"  {name.ljust(first)}{numbers}   {cells[-1]}".rstrip())
+    return lines
+
+
+def _part(part: Mapping, balancer: object) -> list[str]:  # type: ignore[type-arg]
+    if part["kind"] == "spring":
+        name = f"spring {part['name']}"
+        return [
+            *_labelled(name, phrases.law_words(part, balancer)),
+            *_labelled("", phrases.where_words(part)),
+            *_labelled("", phrases.work_words(part)),
+        ]
+    end = part["ends"][0]
+    return _labelled(f"weight {part['name']}", f"counterweight, {plain(part['mass'])} kg at {end['body']} {place(end)}")
+
+
+def _labelled(label: str, text: str) -> list[str]:
+    lead = label.ljust(LABEL) if len(label) < LABEL else f"{label}  "
+    return _wrap(text, lead)
+
+
+def _wrap(text: str, lead: str) -> list[str]:
+    return textwrap.wrap(
+        text, WIDTH, initial_indent=lead, subsequent_indent=" " * min(len(lead), LABEL) or "  ", break_long_words=False,
+        break_on_hyphens=False,
+    )  # fmt: skip
+
+
+def _blank_repeats(lines: Sequence[str]) -> list[str]:
+    """Blank a label that repeats the one above it, so that lists read as lists."""
+    shown, last = [], ""
+    for line in lines:
+        label = line[:LABEL] if line[:1].strip() and len(line) > LABEL and line[LABEL - 1] == " " else ""
+        repeated = bool(label) and label == last
+        shown.append(" " * LABEL + line[LABEL:] if repeated else line)
+        last = label or ("" if line[:1].strip() else last)
+    return shown
