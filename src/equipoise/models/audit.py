@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from equipoise.errors import ModelError
+from equipoise.models.inertia import TOKEN_MASS
 from equipoise.models.notices import some
 
 HEAVY = 1000.0
@@ -53,13 +54,14 @@ def mass_remarks(model: mujoco.MjModel) -> Iterator[str]:
     if not masses[moving].sum() > 1e-6:
         yield "nothing that moves has a mass: there is no weight to balance"
         return
+    # A token mass that a reader put there has been remarked on already.
     by_group = np.bincount(model.body_weldid, weights=masses, minlength=model.nbody)
-    empty = [b for b in range(1, model.nbody) if model.body_jntnum[b] and by_group[b] < _LIGHT]
+    empty = [b for b in range(1, model.nbody) if model.body_jntnum[b] and TOKEN_MASS < by_group[b] < _LIGHT]
     # Several bodies at one place make a joint of several axes; only the last of them needs a mass.
     ends = set(range(model.nbody)) - {int(model.body_parentid[b]) for b in range(1, model.nbody)}
     bare = [model.body(b).name for b in empty if b in ends]
     if bare:
-        yield f"without mass at the end of a chain: {some(bare)}; check that their weight is not missing"
+        yield f"less than {_LIGHT:g} kg at the end of a chain: {some(bare)}; check that their weight is not missing"
 
 
 def feature_remarks(model: mujoco.MjModel, gravity_given: bool) -> Iterator[str]:

@@ -39,11 +39,9 @@ class Repairs:
             yield f"{_inertia(self.point)} zero (a point mass) and set to {LEAST_INERTIA:g} kg m^2; {rest}"
         if self.massless:
             one = len(self.massless) == 1
-            subject = "moving link {} has" if one else "moving links {} have"
-            yield (
-                subject.format(some(self.massless))
-                + f" no mass in the file and got {TOKEN_MASS:g} kg each: check that their weight is not missing"
-            )
+            subject = f"moving link {self.massless[0]} has" if one else f"moving links {some(self.massless)} have"
+            each = "" if one else " each"
+            yield f"{subject} no mass in the file and got {TOKEN_MASS:g} kg{each}: check that no weight is missing"
 
 
 def _inertia(names: list[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import contextvars
 import logging
+import warnings
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -54,10 +55,16 @@ def listen() -> Iterator[list[str]]:
 
 @contextlib.contextmanager
 def refusals(where: str, hint: str = "") -> Iterator[None]:
-    """Turn whatever MuJoCo or its binding raises in this block into a ModelError at `where`."""
+    """Turn whatever MuJoCo or its binding raises in this block into a ModelError at `where`, and hear its warnings."""
     kinds = (ValueError, RuntimeError, TypeError, KeyError, OverflowError, OSError, mujoco.FatalError)
     try:
-        yield
+        # The compiler speaks through Python's warnings, everything else of MuJoCo through the callback.
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            yield
+        heard = _heard.get()
+        if heard is not None:
+            heard.extend(tidy(str(warning.message)) for warning in caught)
     except EquipoiseError:
         raise
     except MemoryError:

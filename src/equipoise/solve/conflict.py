@@ -34,11 +34,8 @@ def excess(program: Program, groups: list[str]) -> float:
     unknowns = tuple(
         u if f"bounds of {u.name}" in groups else replace(u, lower=-np.inf, upper=np.inf) for u in program.unknowns
     )
-    term = replace(program.terms[0], norm="peak", cap=None, factor=1e-9,
-                   b=program.terms[0].b[:1], A=program.terms[0].A[:1], weight=np.ones(1))
-    lean = Program(unknowns, (term,), rows)
-    working = Working([np.zeros(0, dtype=int)], [np.arange(len(r.h)) for r in rows], [None])
-    answer = solve_restricted(lean, working, elastic=1.0)
+    working = Working([], [np.arange(len(r.h)) for r in rows], [])
+    answer = solve_restricted(Program(unknowns, (), rows), working, elastic=1.0)
     return answer.excess if answer.feasible else np.inf
 
 

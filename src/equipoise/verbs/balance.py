@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Unknown
 from equipoise.assemble import Balancer, build, check, effort, thrift
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import InfeasibleError, InputError
@@ -16,7 +16,7 @@ from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.peaks import polish
 from equipoise.solve.exchange import Solution, solve
-from equipoise.solve.program import Norm, Program
+from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.verbs.analyze import Evaluate, table, worst
@@ -106,22 +106,49 @@ def settle(task: Task) -> Balanced:
 
 
 def saved(task: Task, states: States, program: Program, solution: Solution) -> Solution:
-    """Of all equally good values the ones with the least stored energy; unchanged where nothing is free."""
-    single = len([term for term in program.terms if term.cap is None]) == 1
-    load = sum(program.loads)
-    if not single or not program.unknowns or (not len(solution.flat) and program.terms[0].norm == "rms"):
+    """Of all equally good values the ones with the least stored energy; unchanged where nothing is free.
+
+    Directions that change no residual are followed exactly; what else a peak or mean leaves open is settled
+    under a cap on the objective.
+    """
+    if not program.unknowns or len([term for term in program.terms if term.cap is None]) > 1:
         return solution
-    value = max(solution.objective, 1e-13 * load)
+    value = max(solution.objective, 1e-13 * sum(program.loads))
     lean = thrift(program, task.balancers, states, value * (1 + 1e-8))
-    if lean.terms[0].value(solution.theta) <= 0:
-        return solution
+    theta = solution.theta
+    if len(solution.flat):
+        theta = _spared(lean, theta, lambda: _along(lean, theta, solution.flat))
+    if program.terms[0].norm != "rms" and solution.objective > EXACT * sum(program.loads):
+        theta = _spared(lean, theta, lambda: solve(lean).theta)
+    sound = program.objective(theta) <= value * (1 + 1e-6) and program.violation(theta) <= 1e-7
+    return replace(solution, theta=theta) if sound else solution
+
+
+def _spared(lean: Program, theta: Array, better: Callable[[], Array]) -> Array:
+    """The better values where they save energy worth speaking of."""
+    stored = lean.terms[0].value(theta)
+    if stored <= 0:
+        return theta
     try:
-        thrifty = solve(lean)
+        candidate = better()
     except InfeasibleError:
-        return solution
-    spared = lean.terms[0].value(thrifty.theta) < (1 - 1e-4) * lean.terms[0].value(solution.theta)
-    sound = program.objective(thrifty.theta) <= value * (1 + 1e-6) and program.violation(thrifty.theta) <= 1e-7
-    return replace(solution, theta=thrifty.theta) if spared and sound else solution
+        return theta
+    return candidate if lean.terms[0].value(candidate) < (1 - 1e-4) * stored else theta
+
+
+def _along(lean: Program, theta: Array, directions: Array) -> Array:
+    """Least stored energy over theta + directions' z, within limits and bounds; the residual stays as it is."""
+    moves = tuple(Unknown(f"move {i}", "") for i in range(len(directions)))
+    saving = lean.terms[0]
+    term = replace(saving, b=saving.residual(theta), A=saving.A @ directions.T)
+    rows = [replace(r, G=r.G @ directions.T, h=r.h - r.G @ theta, unknowns=moves) for r in lean.rows if not r.equality]
+    for unknown, bound, sign in [(u, u.lower, -1.0) for u in lean.unknowns] + [(u, u.upper, 1.0) for u in lean.unknowns]:
+        if np.isfinite(bound):
+            index = lean.unknowns.index(unknown)
+            limit = sign * (bound - theta[index])
+            rows.append(Rows(unknown.name, unknown.unit, sign * directions[:, index][None], np.array([limit]), moves,
+                             scale=max(abs(theta[index]), abs(bound), 1e-9)))
+    return theta + solve(Program(moves, (term,), tuple(rows))).theta @ directions
 
 
 def _between(task: Task, states: States, program: Program, solution: Solution) -> Array:

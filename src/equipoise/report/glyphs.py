@@ -1,0 +1,117 @@
+"""How links, springs, counterweights, payloads and ground look on paper."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.report import style
+from equipoise.report.numbers import plain
+from equipoise.report.sample import Sample
+from equipoise.report.scene import Scene
+from equipoise.report.view import View
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+COILS = 9
+
+
+def draw(ax: Axes, sample: Sample, scene: Scene, view: View) -> None:
+    """Links, joints, springs, counterweights and payloads of one scene in one view."""
+    for width, colour in ((9.5, style.MUTED), (7.5, style.LINK)):
+        for bar in scene.bars:
+            ax.plot(*view.flat(np.stack(bar)).T, color=colour, lw=width, solid_capstyle="round", zorder=2)
+    for strut in scene.struts:
+        ax.plot(*view.flat(np.stack(strut)).T, color=style.MUTED, lw=2.2, zorder=1.5)
+    for place in scene.grounded:
+        ax.plot(*view.flat(place), marker=_ground(), ms=16, mfc="none", mec=style.MUTED, mew=1.2, zorder=1.2)
+    for place in scene.feet:
+        ax.plot(*view.flat(place), marker=_ground(), ms=30, mfc="none", mec=style.INK, mew=1.3, zorder=1.2)
+    joints = view.flat(scene.joints)
+    for place, driven in zip(joints, scene.driven, strict=True):
+        face = style.INK if driven else "white"
+        ax.plot(*place, "o", ms=6.5, mfc=face, mec=style.INK, mew=1.2, zorder=4)
+    size = float(np.ptp(view.flat(scene.points), axis=0).max())
+    solid = _trail(scene, view)
+    for number, a, b in scene.springs:
+        _spring(ax, view.flat(a), view.flat(b), 0.014 * size, part_colour(number))
+        _label(ax, view.flat((a + b) / 2), view.flat(b - a), solid, sample.design.balancers[number].name, number)
+    heaviest = max((mass for _, mass, _ in scene.weights), default=1.0)
+    for number, mass, place in scene.weights:
+        _weight(ax, view.flat(place), mass, heaviest, sample.design.balancers[number].name, number)
+    for mass, place in scene.payloads:
+        if mass > 0:
+            ax.plot(*view.flat(place), "s", ms=8, color=style.INK, zorder=5)
+            _note(ax, view.flat(place), f"payload {plain(mass, 3)} kg", style.INK)
+
+
+def part_colour(number: int) -> str:
+    """The colour of a part in every picture."""
+    return style.PARTS[number % len(style.PARTS)]
+
+
+def coil(a: Array, b: Array, width: float) -> Array:
+    """A zigzag (P, 2) of `width` to both sides of the line from a to b, straight over its ends."""
+    along = b - a
+    length = float(np.hypot(*along)) or 1.0
+    across = np.array([-along[1], along[0]]) / length
+    share = np.concatenate([[0.0, 0.12], np.linspace(0.12, 0.88, 2 * COILS + 1)[1:-1], [0.88, 1.0]])
+    side = np.concatenate([[0, 0], [(-1) ** i for i in range(2 * COILS - 1)], [0, 0]])
+    return a + share[:, None] * along + width * side[:, None] * across
+
+
+def _spring(ax: Axes, a: Array, b: Array, width: float, colour: str) -> None:
+    line = coil(a, b, width)
+    ax.plot(*line.T, color="white", lw=3.6, zorder=5, solid_joinstyle="round")
+    ax.plot(*line.T, color=colour, lw=1.7, zorder=5.1, solid_joinstyle="round")
+    for end in (a, b):
+        ax.plot(*end, "o", ms=5.5, mfc="white", mec=colour, mew=1.8, zorder=5.2)
+
+
+def _trail(scene: Scene, view: View) -> Array:
+    """Points (P, 2) all along the links, which labels keep away from."""
+    share = np.linspace(0, 1, 9)[:, None]
+    lines = [a + share * (b - a) for a, b in [*scene.bars, *scene.struts]]
+    return view.flat(np.vstack([*lines, scene.joints]))
+
+
+def _label(ax: Axes, middle: Array, along: Array, solid: Array, name: str, number: int) -> None:
+    """A part's name beside its line, on the side that is farther from the links."""
+    across = np.array([-along[1], along[0]])
+    across = across / (float(np.hypot(*across)) or 1.0)
+    reach = 0.5 * float(np.hypot(*along)) + 1e-6
+    room = [float(np.hypot(*(solid - middle - side * reach * across).T).min()) for side in (1, -1)]
+    across = across if room[0] >= room[1] else -across
+    ax.annotate(
+        name, middle, xytext=16 * across, textcoords="offset points", color=part_colour(number), weight="bold",
+        ha="left" if across[0] > 0.3 else "right" if across[0] < -0.3 else "center",
+        va="bottom" if across[1] > 0.3 else "top" if across[1] < -0.3 else "center",
+        path_effects=style.halo(), zorder=7,
+    )  # fmt: skip
+
+
+def _ground() -> Any:
+    """A line with hatching below it, as a marker."""
+    from matplotlib.path import Path
+
+    strokes = [((-1.0, 0.0), (1.0, 0.0))] + [((x, 0.0), (x - 0.35, -0.4)) for x in (-0.6, -0.1, 0.4, 0.9)]
+    return Path([point for stroke in strokes for point in stroke], [Path.MOVETO, Path.LINETO] * len(strokes))
+
+
+def _weight(ax: Axes, place: Array, mass: float, heaviest: float, name: str, number: int) -> None:
+    size = 22.0 * math.sqrt(max(mass, 0.0) / (heaviest or 1.0))
+    ax.plot(*place, "o", ms=max(size, 5.0), mfc=part_colour(number), mec="white", mew=1.2, zorder=5)
+    ax.annotate(
+        f"{name}, {plain(mass, 3)} kg", place, xytext=(0, -max(size, 5.0) / 2 - 5), textcoords="offset points",
+        color=part_colour(number), weight="bold", ha="center", va="top", path_effects=style.halo(), zorder=7,
+    )  # fmt: skip
+
+
+def _note(ax: Axes, place: Array, text: str, colour: str) -> None:
+    ax.annotate(
+        text, place, xytext=(9, 7), textcoords="offset points", color=colour, path_effects=style.halo(), zorder=7
+    )

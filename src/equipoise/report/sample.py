@@ -1,0 +1,114 @@
+"""Efforts of a finished design at chosen poses: what the pictures and the CSV show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import mujoco
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.design import Design
+from equipoise.errors import EquipoiseError
+from equipoise.report.numbers import shown, sort_out
+from equipoise.report.phrases import main_joint
+from equipoise.states import States
+from equipoise.sweep import held
+
+FINE = 241
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A design with its holding effort before and after over its own sweep (S N, nd), computed once."""
+
+    design: Design
+
+    @cached_property
+    def before(self) -> Array:
+        """Effort of the bare mechanism."""
+        return self.design.states.holding
+
+    @cached_property
+    def after(self) -> Array:
+        """Effort with the added parts."""
+        return self.design.residual(self.design.states)
+
+    @property
+    def main(self) -> int:
+        """Number of the joint that gains most."""
+        return self.design.mechanism.driven.index(main_joint(self.design))
+
+    @property
+    def scenarios(self) -> int:
+        """How many payloads every pose is seen with."""
+        return len(self.design.sweep.scenarios)
+
+    @cached_property
+    def counted(self) -> list[int]:
+        """Numbers of the joints that count in the objective."""
+        names = {joint for aim in self.design.objective for joint in aim.counted(self.design.mechanism)}
+        return [index for index, joint in enumerate(self.design.mechanism.driven) if joint in names]
+
+    @cached_property
+    def matter(self) -> list[int]:
+        """Numbers of the joints that carry a load worth a picture, the most loaded first."""
+        design = self.design
+        names = sort_out(design.before, design.after)[0]
+        order = sorted(names, key=lambda name: -design.before[name].peak)
+        return [design.mechanism.driven.index(name) for name in order]
+
+    @cached_property
+    def box(self) -> Array:
+        """Range of every driven joint over the sweep (nd, 2)."""
+        sweep = self.design.sweep
+        if sweep.box is not None:
+            return sweep.box
+        return np.stack([sweep.poses.min(axis=0), sweep.poses.max(axis=0)], axis=1)
+
+    def is_slide(self, joint: int) -> bool:
+        """Whether a driven joint is a slide."""
+        mechanism = self.design.mechanism
+        return bool(mechanism.model.jnt_type[mechanism.driven_ids[joint]] == mujoco.mjtJoint.mjJNT_SLIDE)
+
+    def position(self, joint: int, value: Array | float) -> Array:
+        """A joint position in mm or degrees."""
+        return np.asarray(value) * shown(1.0, "m" if self.is_slide(joint) else "rad")[0]
+
+    def axis_label(self, joint: int) -> str:
+        """`elbow_joint [deg]`."""
+        return f"{self.design.mechanism.driven[joint]} [{'mm' if self.is_slide(joint) else 'deg'}]"
+
+    def worst(self, effort: Array, joint: int) -> tuple[int, int]:
+        """Pose and scenario numbers of the largest |effort| of a joint."""
+        row = int(np.abs(effort[:, joint]).argmax())
+        count = len(self.design.sweep.poses)
+        return row % count, row // count
+
+    def calm(self, pose: Array) -> Array:
+        """The pose with every joint that no load reaches brought to its reference, which leaves the drawing clear."""
+        idle = [self.design.mechanism.driven.index(n) for n in sort_out(self.design.before, self.design.after)[2]]
+        calmed = pose.copy()
+        calmed[idle] = held(self.design.mechanism)[idle]
+        return calmed
+
+    def at(self, poses: Array) -> tuple[States, Array, Array] | None:
+        """States and efforts (S, M, nd) before and after at poses (M, nd); None where the loops do not close."""
+        design = self.design
+        try:
+            states = design.mechanism.states(design.sweep.at_poses(poses))
+        except EquipoiseError:
+            return None
+        shape = (self.scenarios, len(poses), -1)
+        return states, states.holding.reshape(shape), design.residual(states).reshape(shape)
+
+    def line(self, joint: int, pose: Array, count: int = FINE) -> Array:
+        """Poses (count, nd) along one joint's range, the others as in `pose`."""
+        poses = np.tile(pose, (count, 1))
+        poses[:, joint] = np.linspace(*self.box[joint], count)
+        return poses
+
+    def moves(self, joint: int) -> bool:
+        """Whether the sweep moves a joint."""
+        return bool(self.box[joint, 1] - self.box[joint, 0] > 1e-9)

@@ -1,0 +1,180 @@
+"""The saved model at poses the design never saw: holding efforts as MuJoCo computes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.balancers.spring import add_point_mass
+from equipoise.design import Design
+from equipoise.errors import LoopError, ModelError, nearest
+from equipoise.mechanism import Mechanism
+from equipoise.models.notices import listen, refusals
+from equipoise.states import States
+from equipoise.verify.saved import reload
+from equipoise.verify.verification import Disagreement, JointError
+
+ENGINE = f"MuJoCo {mujoco.__version__}"
+CHUNK = 16384
+JITTER = 0.02
+_WIDTHS = {int(mujoco.mjtJoint.mjJNT_FREE): (7, 6), int(mujoco.mjtJoint.mjJNT_BALL): (4, 3)}
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Efforts (N, nd) of design and MuJoCo at the same states, how the poses were chosen, what to know besides."""
+
+    states: States
+    where: str
+    design: Array
+    simulated: Array
+    load: Array
+    notes: tuple[str, ...]
+
+    def errors(self) -> dict[str, JointError]:
+        """Per driven joint the largest difference, and the largest load of its unit."""
+        mechanism = self.states.mechanism
+        error = np.abs(self.simulated - self.design).max(axis=0)
+        units = np.array(mechanism.driven_units)
+        return {
+            joint: JointError(float(error[i]), float(self.load[units == units[i]].max()), str(units[i]))
+            for i, joint in enumerate(mechanism.driven)
+        }
+
+    def worst(self) -> Disagreement:
+        """The state of the largest difference."""
+        mechanism, states = self.states.mechanism, self.states
+        difference = np.nan_to_num(np.abs(self.simulated - self.design), nan=np.inf)
+        row, column = np.unravel_index(int(difference.argmax()), difference.shape)
+        carried = zip(states.payload_points, states.payload_mass[row], strict=True)
+        return Disagreement(
+            joint=mechanism.driven[column],
+            pose=dict(zip(mechanism.driven, states.driven[row].tolist(), strict=True)),
+            payload={point.body: float(mass) for point, mass in carried},
+            design=float(self.design[row, column]),
+            simulated=float(self.simulated[row, column]),
+            unit=mechanism.driven_units[column],
+        )
+
+
+def compare(design: Design, path: Path, poses: int, seed: int) -> Comparison:
+    """Place the saved model at unseen poses and compare its holding efforts with the design's own."""
+    states, where = unseen(design, poses, seed)
+    with listen() as said:
+        spec = reload(path)
+        simulated = holding(spec, design.mechanism, states)
+    ours = design.residual(states)
+    bare = states.holding
+    # A spring may lift more than gravity loads: both sides of the sum set the scale of rounding.
+    load = np.maximum(np.abs(bare), np.abs(ours - bare)).max(axis=0)
+    notes = (*_clamped(spec, design.mechanism), *(f"MuJoCo: {line}" for line in dict.fromkeys(said)))
+    return Comparison(states, where, ours, simulated, load, notes)
+
+
+def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
+    """States at poses that the program did not see, in all its payload scenarios, and how they were chosen."""
+    mechanism, sweep = design.mechanism, design.sweep
+    rng = np.random.default_rng(seed)
+    tries = []
+    if sweep.box is not None:
+        poses = sweep.box[:, 0] + rng.random((count, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
+        tries.append((poses, f"{count} random poses in the sweep's box"))
+    limits = np.where(np.isnan(mechanism.box), [-np.inf, np.inf], mechanism.box)
+    near = sweep.poses[rng.integers(len(sweep.poses), size=count)]
+    near = near + JITTER * np.ptp(sweep.poses, axis=0) * rng.standard_normal(near.shape)
+    tries.append((np.clip(near, limits[:, 0], limits[:, 1]), f"{count} random poses near the sweep's"))
+    for poses, where in tries:
+        try:
+            return mechanism.states(sweep.at_poses(poses)), where
+        except LoopError:  # a linkage may not reach all of a box or all around a listed pose
+            continue
+    return mechanism.states(sweep), f"the sweep's own {len(sweep.poses)} poses, for the loops do not close elsewhere"
+
+
+def holding(spec: mujoco.MjSpec, mechanism: Mechanism, states: States) -> Array:
+    """Holding efforts (N, nd) of a model with the parts in it, as MuJoCo computes them at the states' postures.
+
+        tau = D^T (qfrc_bias - qfrc_spring - qfrc_actuator)
+
+    Payloads are added as point masses; the model's joints are found by name, their order may differ. Of the
+    actuators only those that the mechanism lacks count: they are springs, the others are the motors.
+    """
+    result = np.empty_like(states.driven)
+    for masses in np.unique(states.payload_mass, axis=0):
+        rows = np.flatnonzero((states.payload_mass == masses).all(axis=1))
+        loaded = spec.copy()
+        loaded.modelfiledir = spec.modelfiledir
+        for index, (point, mass) in enumerate(zip(states.payload_points, masses, strict=True)):
+            add_point_mass(loaded, f"payload {index + 1} of the verification", point.body, point.at, float(mass))
+        with refusals(mechanism.name):
+            model = loaded.compile()
+        springs = _quieten(model, mechanism.model)
+        for start in range(0, len(rows), CHUNK):
+            part = rows[start : start + CHUNK]
+            force = _forces(model, mechanism.model, states.kin.q[part], springs)
+            transmission = states.D if len(states.D) == 1 else states.D[part]
+            result[part] = np.squeeze(force[:, None, :] @ transmission, axis=1)
+    return result
+
+
+def _quieten(model: mujoco.MjModel, original: mujoco.MjModel) -> bool:
+    """Leave gravity and springs only: no constraints, motors, motor limits; whether actuators stand for springs."""
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    motors = {original.actuator(index).name for index in range(original.nu)}
+    springs = np.array([model.actuator(index).name not in motors for index in range(model.nu)], dtype=bool)
+    model.actuator_gaintype[~springs] = mujoco.mjtGain.mjGAIN_FIXED
+    model.actuator_biastype[~springs] = mujoco.mjtBias.mjBIAS_NONE
+    model.actuator_gainprm[~springs] = 0.0
+    # MuJoCo counts all actuators against a joint's motor limit and may hide gravity among them.
+    model.jnt_actfrclimited[:] = 0
+    model.jnt_actgravcomp[:] = 0
+    return bool(springs.any())
+
+
+def _forces(model: mujoco.MjModel, original: mujoco.MjModel, q: Array, springs: bool) -> Array:
+    """bias - spring - actuator (N, nv) in the original's order of degrees of freedom."""
+    positions, dofs = _by_name(model, original)
+    batch = Batch(model, len(q))
+    batch.bind("qpos")[:, positions] = q
+    bias, spring = batch.bind("qfrc_bias"), batch.bind("qfrc_spring")
+    actuator = batch.bind("qfrc_actuator")
+    stage = mujoco.mjtStage.mjSTAGE_ACC if springs else mujoco.mjtStage.mjSTAGE_VEL
+    batch.forward(stage=int(stage))
+    total = np.array(bias) - spring - (actuator if springs else 0.0)
+    return total[:, dofs]
+
+
+def _by_name(model: mujoco.MjModel, original: mujoco.MjModel) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+    """Where the original's positions (nq,) and degrees of freedom (nv,) sit in the reloaded model."""
+    positions, dofs = np.empty(original.nq, dtype=int), np.empty(original.nv, dtype=int)
+    names = [model.joint(index).name for index in range(model.njnt)]
+    for old in range(original.njnt):
+        name = original.joint(old).name
+        if name not in names:
+            raise ModelError(f"the saved model has no joint {name!r}", hint=nearest(name, names))
+        new = names.index(name)
+        width = _WIDTHS.get(int(original.jnt_type[old]), (1, 1))
+        for table, start, there, size in (
+            (positions, original.jnt_qposadr, model.jnt_qposadr, width[0]),
+            (dofs, original.jnt_dofadr, model.jnt_dofadr, width[1]),
+        ):
+            table[start[old] : start[old] + size] = there[new] + np.arange(size)
+    return positions, dofs
+
+
+def _clamped(spec: mujoco.MjSpec, mechanism: Mechanism) -> tuple[str, ...]:
+    """A warning where MuJoCo would count a spring against the motors' limits."""
+    motors = {mechanism.model.actuator(index).name for index in range(mechanism.model.nu)}
+    springs = [actuator.name for actuator in spec.actuators if actuator.name not in motors]
+    if not springs or not mechanism.model.jnt_actfrclimited.any():
+        return ()
+    return (
+        f"in the saved model {', '.join(springs)} is an actuator: a simulation clamps it together with the motors "
+        "at the joints' actuatorfrcrange",
+    )

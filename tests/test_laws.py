@@ -1,0 +1,207 @@
+"""Laws that every balancer, path, law and limit obeys; a new class joins by being listed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import equipoise as eq
+from equipoise.assemble import effort
+from equipoise.limits import Setting, implied
+from equipoise.parameters import candidates, read, tag, unit_of, write
+
+STEP = 1e-30
+
+
+def planar():
+    links = [eq.Link("upper", length=0.5, mass=3.0), eq.Link("fore", length=0.4, mass=2.0, com=(0.15, 0.02))]
+    return eq.chain(links, base=(0.0, 0.0, 0.3))
+
+
+def spatial():
+    links = [
+        eq.Link("turret", length=0.2, mass=2.0, axis=(0, 0, 1)),
+        eq.Link("boom", length=0.5, mass=3.0, com=(0.2, 0.03, 0.05)),
+        eq.Link("slide", length=0.3, mass=1.0, joint="slide", axis=(1, 0, 0), at=(0.3, 0.0, 0.0), stroke=(0.0, 0.3)),
+        eq.Link("hand", length=0.2, mass=0.7, axis=(0, 0.6, 0.8)),
+    ]
+    return eq.chain(links, name="spatial")
+
+
+def linkage():
+    return eq.four_bar(0.4, 0.15, 0.35, 0.3, masses=(1.0, 2.0, 1.5), coms=(0.07, (0.2, 0.05), 0.15))
+
+
+MECHANISMS = {"planar": planar, "spatial": spatial, "linkage": linkage}
+
+
+def bodies(mechanism):
+    return mechanism.bodies[1], mechanism.bodies[-1]
+
+
+LAWS = {
+    "zero_free_length": eq.ZeroFreeLength(),
+    "zero_free_length_given": eq.ZeroFreeLength(k=800.0),
+    "linear": eq.Linear(),
+    "linear_preload_given": eq.Linear(preload=-20.0),
+    "coil": eq.Coil(free_length=0.1),
+    "coil_tension": eq.Coil(free_length=0.1, initial_tension=None),
+    "coil_free_length_unknown": eq.Coil(free_length=None),
+    "coil_all_unknown": eq.Coil(free_length=None, initial_tension=None),
+    "constant": eq.Constant(),
+}
+PATHS = {
+    "to_world": lambda m: eq.Line(eq.Point("world", (0.1, 0.05, 0.6)), eq.Point(bodies(m)[0], (0.12, 0.01, 0.03))),
+    "to_body": lambda m: eq.Line(eq.Point("world", (-0.1, 0.2, 0.7)), eq.Point(bodies(m)[1], (0.05, -0.02, 0.04))),
+    "between": lambda m: eq.Line(eq.Point(bodies(m)[0], (0.05, 0.1, 0.08)), eq.Point(bodies(m)[1], (0.1, 0.03, -0.06))),
+}
+MASSES = {"massless": 0.0, "heavy": 1.7}
+WEIGHTS = {
+    "at_point": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1], (-0.1, 0.02, 0.03))),
+    "free": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), reach=0.2),
+    "given_mass_free_place": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), mass=2.0, reach=0.2),
+    "given": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[0], (-0.1, 0.0, 0.0)), mass=1.3),
+}
+BALANCERS = {
+    f"{path}-{law}-{mass}": (lambda m, p=p, w=w, k=k: eq.Spring("b", p(m), w, mass=k))
+    for path, p in PATHS.items()
+    for law, w in LAWS.items()
+    for mass, k in MASSES.items()
+    if mass == "massless" or law == "coil"
+} | WEIGHTS
+
+every = pytest.mark.parametrize(
+    ("mechanism", "balancer"),
+    [(m, b) for m in MECHANISMS for b in BALANCERS],
+    ids=lambda name: name,
+)
+
+
+@pytest.fixture(scope="module")
+def posed():
+    """Each mechanism with states at random poses and at poses displaced along every driven joint."""
+    found = {}
+    for name, make in MECHANISMS.items():
+        mechanism = make()
+        rng = np.random.default_rng(5)
+        box = np.where(np.isnan(mechanism.box), [-0.5, 0.5], mechanism.box)
+        poses = box.mean(axis=1) + 0.4 * (rng.random((7, len(box))) - 0.5) * (box[:, 1] - box[:, 0])
+        h = 1e-5
+        shifted = np.concatenate([poses + h * sign * unit for unit in np.eye(len(box)) for sign in (1, -1)])
+        sweep = eq.Sweep(poses, np.ones(len(poses)), "random")
+        found[name] = mechanism, mechanism.states(sweep), mechanism.states(sweep.at_poses(shifted)), h
+    return found
+
+
+def slope(affine, count, joints, h):
+    """Central differences of an energy affine over the displaced states: b (N, nd) and A (N, nd, P)."""
+    b = affine.b[:, 0].reshape(joints, 2, count)
+    A = affine.A[:, 0].reshape(joints, 2, count, -1)
+    return ((b[:, 0] - b[:, 1]) / (2 * h)).T, np.moveaxis((A[:, 0] - A[:, 1]) / (2 * h), 0, 1)
+
+
+@every
+def test_effort_is_the_derivative_of_energy(posed, mechanism, balancer):
+    mech, states, shifted, h = posed[mechanism]
+    part = BALANCERS[balancer](mech)
+    hold, energy = part.effort(states, "hold"), part.effort(shifted, "energy")
+    b, A = slope(energy, len(states), len(mech.driven), h)
+    size = max(1.0, np.abs(hold.b).max(), np.abs(hold.A).max(initial=0.0))
+    np.testing.assert_allclose(hold.b, b, atol=2e-8 * size)
+    np.testing.assert_allclose(hold.A, A, atol=2e-8 * size)
+    assert hold.unknowns == energy.unknowns == part.unknowns
+
+
+@every
+def test_efforts_add_up_and_units_agree(posed, mechanism, balancer):
+    mech, states, _, _ = posed[mechanism]
+    part = BALANCERS[balancer](mech)
+    part.check(mech)
+    alone, total = part.effort(states, "hold"), effort(mech, [part], states)
+    theta = np.linspace(1.0, 2.0, len(part.unknowns))
+    np.testing.assert_allclose(total.at(theta), states.holding + alone.at(theta), atol=1e-10)
+    assert [block.unit for block in alone.blocks] == list(mech.driven_units)
+    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "kg", "kg m"}
+    assert part.effort(states, "storage").blocks[0].unit == "J"
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_the_mechanism_obeys_the_same_law(posed, mechanism):
+    mech, states, shifted, h = posed[mechanism]
+    b, _ = slope(mech.effort(shifted, "energy"), len(states), len(mech.driven), h)
+    np.testing.assert_allclose(mech.effort(states, "hold").b, b, atol=1e-7)
+
+
+@pytest.mark.parametrize("law", [name for name in LAWS if "given" not in name])
+@pytest.mark.parametrize("path", PATHS)
+def test_geometry_derivatives_are_exact(posed, path, law):
+    mech, states, _, _ = posed["spatial"]
+    part = eq.Spring("b", PATHS[path](mech), LAWS[law], mass=0.4)
+    names = [f"b.path.line.{end}.{axis}" for end in "01" for axis in "xyz"]
+    here = np.array([read([part], name) for name in names])
+    theta = np.linspace(1.0, 2.0, len(part.unknowns))
+    exact = candidates([part], names, here + 1j * STEP * np.eye(6))[0].effort(states, "hold").at(theta).imag / STEP
+    for index, name in enumerate(names):
+        h = 1e-6
+        sides = [write([part], {name: here[index] + s})[0].effort(states, "hold").at(theta) for s in (h, -h)]
+        np.testing.assert_allclose(exact[index], (sides[0] - sides[1]) / (2 * h), atol=1e-6)
+        assert unit_of([part], name) == "m"
+
+
+def test_candidates_are_the_geometries_one_by_one(posed):
+    mech, states, _, _ = posed["spatial"]
+    part = eq.Spring("b", PATHS["between"](mech), eq.Coil(free_length=0.1, k=500.0), mass=0.4)
+    names = ["b.path.line.1.z", "b.law.k", "b.path.a.x"]
+    gammas = np.array([[0.01, 400.0, 0.02], [-0.05, 900.0, 0.06]])
+    together = candidates([part], names, gammas)[0].effort(states, "hold").b
+    for gamma, b in zip(gammas, together, strict=True):
+        alone = write([part], dict(zip(names, gamma.tolist(), strict=True)))[0]
+        np.testing.assert_allclose(alone.effort(states, "hold").b, b, atol=1e-12)
+    assert unit_of([part], "b.law.coil.k") == "N/m"
+    assert tag(eq.ZeroFreeLength) == "zero_free_length"
+
+
+LIMITS = {
+    "force": lambda: eq.Force("b", max=300.0, min=10.0),
+    "slack": lambda: eq.Slack("b"),
+    "length": lambda: eq.Length("b", max=0.9, min=0.1),
+    "stroke": lambda: eq.Stroke("b", max=0.3),
+    "stiffness": lambda: eq.Stiffness("b", max=2000.0, min=5.0),
+    "exact_at": lambda: eq.ExactAt(({"boom_joint": 0.3},), joints=("boom_joint",)),
+}
+
+
+@pytest.mark.parametrize("limit", LIMITS)
+def test_limits_answer_rows_that_follow_the_geometry(posed, limit):
+    """Rows are finite, as many as their right sides, and their complex-step slope is that of differences."""
+    mech, states, _, _ = posed["spatial"]
+    part = eq.Spring("b", PATHS["between"](mech), eq.Coil(free_length=None))
+    name, h = "b.path.line.1.x", 1e-6
+    here = read([part], name)
+
+    def rows(balancers):
+        def hold_at(poses):
+            return effort(mech, balancers, mech.states(eq.Sweep(poses, np.ones(len(poses)), "exact")))
+
+        return LIMITS[limit]().rows(Setting({"b": balancers[0]}, states, hold_at))
+
+    plain, up, down = (rows(write([part], {name: here + s})) for s in (0.0, h, -h))
+    exact = rows(candidates([part], [name], np.array([[here + 1j * STEP]])))
+    assert plain
+    for base, plus, minus, complex_row in zip(plain, up, down, exact, strict=True):
+        assert base.G.shape[:-1] == base.h.shape
+        assert np.isfinite(base.G).all()
+        for what in ("G", "h"):
+            value = np.broadcast_to(getattr(complex_row, what), (1, *getattr(base, what).shape))[0]
+            difference = (getattr(plus, what) - getattr(minus, what)) / (2 * h)
+            np.testing.assert_allclose(np.imag(value) / STEP, difference, atol=1e-5)
+            np.testing.assert_allclose(np.real(value), getattr(base, what), atol=1e-12)
+
+
+def test_closed_coils_and_reach_are_implied(posed):
+    mech, states, _, _ = posed["planar"]
+    coil = eq.Spring("c", PATHS["to_world"](mech), eq.Coil(free_length=0.2, initial_tension=5.0))
+    weight = eq.Counterweight("w", eq.Point("fore"), reach=0.1)
+    setting = Setting({"c": coil, "w": weight}, states, lambda poses: effort(mech, [coil, weight], states))
+    words = [rows.limit for rows in implied([coil, weight], setting)]
+    assert words == ["closed length of c (0.2 m)", "reach of w (0.1 m)"]
