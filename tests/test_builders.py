@@ -22,7 +22,7 @@ RNG = np.random.default_rng(7)
 def hold(arm, driven):
     """Holding torque (N, nd), energy (N,) and kinematics."""
     q, D = close_loops(arm, driven)
-    kin = kinematics(arm.model, q)
+    kin = kinematics(arm, q)
     return np.squeeze(kin.bias[:, None] @ D, axis=1), kin.energy, kin
 
 
@@ -151,7 +151,7 @@ def test_parallelogram_head_stays_parallel(post):
 def test_four_bar_energy_with_a_coupler_off_the_line():
     arm = four_bar(1.0, 0.3, 0.9, 0.8, masses=(1, 2, 3), coms=(None, (0.4, 0.25), (0.5, -0.1)), inertias=(0, 0.1, None))
     q, _ = close_loops(arm, np.linspace(-2, 2, 30)[:, None])
-    kin = kinematics(arm.model, q)
+    kin = kinematics(arm, q)
     coupler, rocker = q[:, 0] + q[:, 1], q[:, 2]
     height = 0.15 * np.sin(q[:, 0])
     height += 2 * (0.3 * np.sin(q[:, 0]) + 0.4 * np.sin(coupler) + 0.25 * np.cos(coupler))
@@ -172,9 +172,9 @@ def test_saved_model_is_the_same(tmp_path):
     arm = slider_crank(0.2, 0.5, offset=0.03, direction=0.4, masses=(1, 2, 3))
     file = tmp_path / "arm.xml"
     file.write_text(arm.spec.to_xml())
-    again = mujoco.MjModel.from_xml_path(str(file))
+    again = arm.with_model(mujoco.MjSpec.from_file(str(file)))
     q, _ = close_loops(arm, np.array([[0.3], [1.0]]))
-    assert kinematics(again, q).energy == pytest.approx(kinematics(arm.model, q).energy, abs=1e-9)
+    assert kinematics(again, q).energy == pytest.approx(kinematics(arm, q).energy, abs=1e-9)
 
 
 def test_crank_range_ends_where_the_linkage_is_flat():

@@ -258,9 +258,9 @@ def test_gravity_torque_is_the_slope_of_the_energy():
     ):
         theta = np.linspace(low, high, 60)[:, None]
         q, D = close_loops(arm, theta)
-        torque = np.einsum("ni,nij->nj", kinematics(arm.model, q).bias, D)[:, 0]
+        torque = np.einsum("ni,nij->nj", kinematics(arm, q).bias, D)[:, 0]
         h = 1e-4
-        V = {k: kinematics(arm.model, close_loops(arm, theta + k * h)[0]).energy for k in (-2, -1, 1, 2)}
+        V = {k: kinematics(arm, close_loops(arm, theta + k * h)[0]).energy for k in (-2, -1, 1, 2)}
         slope = (8 * (V[1] - V[-1]) - (V[2] - V[-2])) / (12 * h)
         assert torque == pytest.approx(slope, rel=1e-8, abs=1e-9)
         assert np.abs(torque).max() > 1.0

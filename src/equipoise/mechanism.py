@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
+from mujoco.batch import Batch
 
 from equipoise.affine import Affine, Array, Block
 from equipoise.errors import InputError, ModelError, nearest
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from equipoise.states import States
     from equipoise.sweep import Sweep
 
-WORLD = "world"
+KEPT_BATCHES = 4
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,8 @@ class Mechanism:
     name: str
     remarks: tuple[str, ...] = ()
     singularity: float = 1e-3
-    source: Path | None = field(default=None, compare=False)
+    source: Path | None = None
+    _batches: dict[int, Batch] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def load(
@@ -143,6 +146,21 @@ class Mechanism:
         """Total mass, kg."""
         return float(self.model.body_mass.sum())
 
+    def batch(self, count: int) -> Batch:
+        """A MuJoCo batch of `count` postures that computes statics only; kept, since building one costs a millisecond.
+
+        Constraints and contacts are off, potential energy is on.
+        """
+        kept = self._batches
+        if count not in kept:
+            bare = copy.copy(self.model)
+            bare.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+            bare.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+            while len(kept) >= KEPT_BATCHES:
+                kept.pop(next(iter(kept)))
+            kept[count] = Batch(bare, count)
+        return kept[count]
+
     def states(self, sweep: Sweep) -> States:
         """Close the loops and do the kinematics of a sweep once."""
         from equipoise.states import States
@@ -163,7 +181,7 @@ class Mechanism:
 
     def with_model(self, spec: mujoco.MjSpec) -> Mechanism:
         """The same mechanism over an edited spec whose joints are the same."""
-        return replace(self, spec=spec, model=compile_spec(spec, self.name))
+        return replace(self, spec=spec, model=compile_spec(spec, self.name), _batches={})
 
 
 def compile_spec(spec: mujoco.MjSpec, name: str) -> mujoco.MjModel:

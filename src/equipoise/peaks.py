@@ -81,8 +81,8 @@ def _climb(
         up = better > f[live]
         gain = better - f[live]
         x[live[up]], f[live[up]] = moved[up], better[up]
-        small = ~up | (gain <= 1e-9 * np.maximum(f[live], 1e-12))
-        step[live[small]] /= 5
+        small = ~up | (gain <= 1e-7 * np.maximum(f[live], 1e-12))
+        step[live[small]] /= 10
         live = live[step[live] > FINEST]
         if not len(live):
             break

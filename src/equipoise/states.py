@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
 
 from equipoise.affine import Array
 from equipoise.loops import ancestors, close_loops
@@ -35,34 +34,24 @@ class Kinematics:
     energy: Array
 
 
-def kinematics(model: mujoco.MjModel, q: Array) -> Kinematics:
+def kinematics(mechanism: Mechanism, q: Array) -> Kinematics:
     """Forward kinematics, gravity and file springs of all postures on all cores."""
-    still = _bare(model)
-    batch = Batch(still, len(q))
+    batch = mechanism.batch(len(q))
     batch.bind("qpos")[:] = q
     names = ("xpos", "xmat", "subtree_com", "cdof", "qfrc_bias", "qfrc_spring", "energy")
-    xpos, xmat, com, cdof, bias, spring, energy = (batch.bind(name) for name in names)
+    bound = [batch.bind(name) for name in names]
     batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
+    xpos, xmat, com, cdof, bias, spring, energy = (np.array(array) for array in bound)
     return Kinematics(
         q=q,
-        xpos=np.array(xpos),
-        xmat=np.array(xmat).reshape(len(q), -1, 3, 3),
-        com=np.array(com)[:, model.body_rootid],
-        cdof=np.array(cdof).reshape(len(q), -1, 6),
-        bias=np.array(bias),
-        spring=np.array(spring),
-        energy=np.array(energy)[:, 0],
+        xpos=xpos,
+        xmat=xmat.reshape(len(q), -1, 3, 3),
+        com=com[:, mechanism.model.body_rootid],
+        cdof=cdof.reshape(len(q), -1, 6),
+        bias=bias,
+        spring=spring,
+        energy=energy[:, 0],
     )
-
-
-def _bare(model: mujoco.MjModel) -> mujoco.MjModel:
-    """A copy that computes statics only: no constraints or contacts, potential energy on."""
-    import copy
-
-    bare = copy.copy(model)
-    bare.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
-    bare.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
-    return bare
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +76,7 @@ class States:
         """Close the loops of a sweep's poses and compute their kinematics, one row per pose and payload."""
         driven, weight, payload_mass = sweep.rows()
         q, transmission = close_loops(mechanism, driven)
-        kin = kinematics(mechanism.model, q)
+        kin = kinematics(mechanism, q)
         points = tuple(payload.point for payload in sweep.payloads)
         return States(mechanism, driven, weight, points, payload_mass, kin, transmission)
 

@@ -47,7 +47,7 @@ class Measured(float):
 # A number and a product of powers of units: what pint evaluates stays as small as what one reads.
 _QUANTITY = re.compile(
     r"[-+]?\s*+(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
-    r"(?:\s*+[/*]?+\s*+[^\W\d_]++|\s*+[%°]|(?:\^|\*\*)-?\d(?!\d))*+"
+    r"(?:\s*+[/*]?+\s*+[^\W\d_]++|\s*+[%°]|(?<=[^\W\d_])(?:\^|\*\*)-?\d(?!\d))*+"
 )
 _NM = re.compile(r"\bNm\b|(?<=\d)Nm\b")
 

@@ -143,5 +143,6 @@ def add_point_mass(spec: mujoco.MjSpec, name: str, body: str, at: Any, mass: flo
     carrier = spec.body(body).add_body(name=name)
     carrier.pos = [float(value) for value in at]
     carrier.mass = mass
+    carrier.ipos = [0.0, 0.0, 0.0]  # said, else the saved file lacks it and MuJoCo refuses to read it back
     carrier.inertia = [0.0, 0.0, 0.0]
     carrier.explicitinertial = True

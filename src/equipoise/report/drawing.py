@@ -50,7 +50,8 @@ def drawing(sample: Sample) -> Figure | None:
     widths = np.maximum(widths, 0.7 * widths.sum() / len(poses))
     heights = np.array([max(high[1] - low[1] for low, high in row) for row in frames])
     inch = min(WIDTH / widths.sum(), TALLEST / heights.max())
-    made = style.figure(WIDTH, float(inch * heights.sum()) + 0.25 * len(corners) + 0.9)
+    lines = max(pose.caption.count("\n") + 1 for pose in poses)
+    made = style.figure(WIDTH, float(inch * heights.sum()) + 0.05 * len(corners) + 0.35 + 0.18 * lines)
     axes = made.subplots(
         len(corners), len(poses), squeeze=False, gridspec_kw={"width_ratios": widths, "height_ratios": heights}
     )
@@ -60,10 +61,9 @@ def drawing(sample: Sample) -> Figure | None:
             draw(ax, sample, pose.scene, pose.view.corner() if corner else pose.view)
             _fit(ax, frames[row][column], (float(widths[column]), float(heights[row])))
             if row == 0:
-                ax.set_title(f"{pose.title}\n", fontsize=11)
-                ax.annotate(pose.caption, (0, 1), xycoords="axes fraction", xytext=(0, 2), textcoords="offset points",
+                ax.set_title(pose.title, fontsize=11, pad=8 + 12.5 * lines)
+                ax.annotate(pose.caption, (0, 1), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points",
                             va="bottom", color=style.MUTED, fontsize=9)  # fmt: skip
-                ax.title.set_linespacing(0.2 + 1.3 * (pose.caption.count("\n") + 1))
             if column == 0:
                 _furniture(ax)
     return made
@@ -86,7 +86,7 @@ def posed(sample: Sample) -> list[Posed]:
         row = scenario * len(chosen) + index
         view = side(design, states, row, sample.main)
         caption = _caption(sample, states.driven[row], before[scenario, index], after[scenario, index])
-        found.append(Posed(scene(design, states, row), view, title, caption, is_planar(design, states, view)))
+        found.append(Posed(scene(design, states, row), view, title, caption, is_planar(states, view)))
     return found
 
 

@@ -39,10 +39,12 @@ def draw(ax: Axes, sample: Sample, scene: Scene, view: View) -> None:
     solid = _trail(scene, view)
     for number, a, b in scene.springs:
         _spring(ax, view.flat(a), view.flat(b), 0.014 * size, part_colour(number))
-        _label(ax, view.flat((a + b) / 2), view.flat(b - a), solid, sample.design.balancers[number].name, number)
+        label = (sample.design.balancers[number].name, part_colour(number))
+        _label(ax, view.flat((a + b) / 2), view.flat(b - a), solid, label)
     heaviest = max((mass for _, mass, _ in scene.weights), default=1.0)
     for number, mass, place in scene.weights:
-        _weight(ax, view.flat(place), mass, heaviest, sample.design.balancers[number].name, number)
+        label = (f"{sample.design.balancers[number].name}, {plain(mass, 3)} kg", part_colour(number))
+        _weight(ax, view.flat(place), mass / (heaviest or 1.0), label)
     for mass, place in scene.payloads:
         if mass > 0:
             ax.plot(*view.flat(place), "s", ms=8, color=style.INK, zorder=5)
@@ -79,7 +81,7 @@ def _trail(scene: Scene, view: View) -> Array:
     return view.flat(np.vstack([*lines, scene.joints]))
 
 
-def _label(ax: Axes, middle: Array, along: Array, solid: Array, name: str, number: int) -> None:
+def _label(ax: Axes, middle: Array, along: Array, solid: Array, label: tuple[str, str]) -> None:
     """A part's name beside its line, on the side that is farther from the links."""
     across = np.array([-along[1], along[0]])
     across = across / (float(np.hypot(*across)) or 1.0)
@@ -87,7 +89,7 @@ def _label(ax: Axes, middle: Array, along: Array, solid: Array, name: str, numbe
     room = [float(np.hypot(*(solid - middle - side * reach * across).T).min()) for side in (1, -1)]
     across = across if room[0] >= room[1] else -across
     ax.annotate(
-        name, middle, xytext=16 * across, textcoords="offset points", color=part_colour(number), weight="bold",
+        label[0], middle, xytext=16 * across, textcoords="offset points", color=label[1], weight="bold",
         ha="left" if across[0] > 0.3 else "right" if across[0] < -0.3 else "center",
         va="bottom" if across[1] > 0.3 else "top" if across[1] < -0.3 else "center",
         path_effects=style.halo(), zorder=7,
@@ -95,19 +97,20 @@ def _label(ax: Axes, middle: Array, along: Array, solid: Array, name: str, numbe
 
 
 def _ground() -> Any:
-    """A line with hatching below it, as a marker."""
+    """A pivot on hatched ground, as a marker."""
     from matplotlib.path import Path
 
-    strokes = [((-1.0, 0.0), (1.0, 0.0))] + [((x, 0.0), (x - 0.35, -0.4)) for x in (-0.6, -0.1, 0.4, 0.9)]
+    strokes = [((-1.0, -0.5), (1.0, -0.5))] + [((x, -0.5), (x - 0.35, -0.9)) for x in (-0.6, -0.1, 0.4, 0.9)]
+    strokes += [((0.0, 0.0), (-0.45, -0.5)), ((0.0, 0.0), (0.45, -0.5))]
     return Path([point for stroke in strokes for point in stroke], [Path.MOVETO, Path.LINETO] * len(strokes))
 
 
-def _weight(ax: Axes, place: Array, mass: float, heaviest: float, name: str, number: int) -> None:
-    size = 22.0 * math.sqrt(max(mass, 0.0) / (heaviest or 1.0))
-    ax.plot(*place, "o", ms=max(size, 5.0), mfc=part_colour(number), mec="white", mew=1.2, zorder=5)
+def _weight(ax: Axes, place: Array, share: float, label: tuple[str, str]) -> None:
+    size = 22.0 * math.sqrt(max(share, 0.0))
+    ax.plot(*place, "o", ms=max(size, 5.0), mfc=label[1], mec="white", mew=1.2, zorder=5)
     ax.annotate(
-        f"{name}, {plain(mass, 3)} kg", place, xytext=(0, -max(size, 5.0) / 2 - 5), textcoords="offset points",
-        color=part_colour(number), weight="bold", ha="center", va="top", path_effects=style.halo(), zorder=7,
+        label[0], place, xytext=(0, -max(size, 5.0) / 2 - 5), textcoords="offset points",
+        color=label[1], weight="bold", ha="center", va="top", path_effects=style.halo(), zorder=7,
     )  # fmt: skip
 
 

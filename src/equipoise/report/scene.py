@@ -21,7 +21,8 @@ class Scene:
     """World coordinates, m, of what is drawn in one pose.
 
     bars are link segments (from, to) per rigid group; joints (J, 3) with `driven` flags; springs
-    (part number, end, end); struts connect a link to a point that lies off it; weights and payloads are (label, kg, place);
+    (part number, end, end); struts connect a link to a point that lies off it; weights (part number, kg,
+    place) and payloads (kg, place);
     grounded are attachment points on the base, feet the places where the mechanism stands.
     """
 

@@ -116,4 +116,4 @@ def degree_ticks(axis: Any, low: float, high: float) -> None:
 def quiet(ax: Axes) -> None:
     """No frame, ticks or grid: a drawing, not a graph."""
     ax.set_axis_off()
-    ax.set_aspect("equal", adjustable="box")
+    ax.set_aspect("equal", adjustable="box", anchor="SW")

@@ -62,7 +62,7 @@ def up_of(design: Design) -> Array:
     return -gravity / size if size > 1e-9 else np.array([0.0, 0.0, 1.0])
 
 
-def is_planar(design: Design, states: States, view: View) -> bool:
+def is_planar(states: States, view: View) -> bool:
     """Whether everything stays in the plane of the view."""
     depth = states.kin.xpos @ view.toward
     return bool(np.ptp(depth) < 1e-6 * max(1e-3, float(np.ptp(states.kin.xpos))))

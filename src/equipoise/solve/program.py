@@ -108,9 +108,9 @@ class Program:
         """Units (P,) in which every unknown moves the residuals, or else the limits, about equally."""
         size = np.zeros(len(self.unknowns))
         for term in self.terms:
-            load = float(np.linalg.norm(term.triangle[:, -1]))
+            load = float(np.sqrt((term.b**2).mean()))
             if load > 0:
-                size = np.maximum(size, np.linalg.norm(term.triangle[:, :-1], axis=0) / load)
+                size = np.maximum(size, np.sqrt((term.A**2).mean(axis=(0, 1))) / load)
         for rows in self.rows:
             if rows.h.size:
                 size = np.where(size > 0, size, np.abs(rows.G).max(axis=0) / rows.scale)

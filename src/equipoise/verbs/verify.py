@@ -21,7 +21,12 @@ ENERGY_TOLERANCE = 1e-6
 
 
 def verify(
-    design: Design, *, out: Path | str | None = None, poses: int = POSES, seed: int = SEED, model: Path | str | None = None
+    design: Design,
+    *,
+    out: Path | str | None = None,
+    poses: int = POSES,
+    seed: int = SEED,
+    model: Path | str | None = None,
 ) -> Design:
     """The design with its verification: saved as MJCF, reloaded, and judged by MuJoCo.
 

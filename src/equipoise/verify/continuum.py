@@ -2,35 +2,30 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.assemble import Balancer, effort
-from equipoise.balancers.spring import Spring
+from equipoise.assemble import Balancer
 from equipoise.design import Row
 from equipoise.errors import LoopError
 from equipoise.mechanism import Mechanism
-from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.verify.boxes import Found, search
 from equipoise.verify.enclosure import Enclosure
 from equipoise.verify.estimate import estimate
+from equipoise.verify.field import Field
 from equipoise.verify.verification import Bound
-from equipoise.verify.waves import Axes
 
 RELATIVE = 0.01
 OF_LOAD = 1e-3
 BUDGET = 60_000
 WIDEST = 8
 MEMORY = 4_000_000
-PROBES = 24
-NEGLIGIBLE = 1e-12
+WORK = 100_000_000
 
 METHOD = (
     "branch and bound; the effort is affine in (cos q, sin q) of every hinge, so its largest value over a cell is "
@@ -62,34 +57,34 @@ def bounds(
     """
     if sweep.box is None:
         return {}
-    field = _Field(mechanism, tuple(balancers), dict(values), _extremes(sweep), _one_turn(mechanism, sweep.box))
-    if not _open(mechanism):
-        return _estimates(field, rows, budget, list(mechanism.driven))
-    result, left = {}, []
-    dependence = field.dependence()
-    for index, joint in enumerate(mechanism.driven):
-        moving = np.flatnonzero(dependence[index])
-        enclosure = None if len(moving) > WIDEST else field.enclosure(index, moving)
-        if enclosure is None:
-            left.append(joint)
-        else:
-            result[joint] = _bound(rows[joint], *_searched(field, enclosure, rows[joint], index, moving, budget))
-    return result | (_estimates(field, rows, budget, left) if left else {})
+    field = Field(mechanism, balancers, values, sweep, _one_turn(mechanism, sweep.box))
+    result, left = {}, list(mechanism.driven)
+    for index, joint in enumerate(mechanism.driven if _open(mechanism) else ()):
+        at = field.coordinates(index)
+        enclosure = field.enclosure(index, at) if len(at.joints) <= WIDEST else None
+        if enclosure is not None:
+            left.remove(joint)
+            found = _searched(enclosure, at.box, rows[joint].peak, OF_LOAD * field.loads[index], budget)
+            result[joint] = _bound(rows[joint], found, _method(enclosure, found), True)
+    result |= _estimates(field, rows, budget, left)
+    return {joint: result[joint] for joint in mechanism.driven}
 
 
-def _searched(
-    field: _Field, enclosure: Enclosure, row: Row, index: int, moving: NDArray[np.int_], budget: int
-) -> tuple[Found, str, bool]:
-    chunk = max(16, MEMORY // enclosure.size)
-    absolute = OF_LOAD * field.loads[index]
-    found = search(enclosure, field.box[moving], row.peak, RELATIVE, absolute, budget, chunk)
+def _searched(enclosure: Enclosure, box: Array, peak: float, absolute: float, budget: int) -> Found:
+    most = min(budget, WORK // enclosure.size)
+    found = search(enclosure, box, peak, RELATIVE, absolute, most, max(16, MEMORY // enclosure.size))
+    return replace(found, upper=found.upper + enclosure.slack)
+
+
+def _method(enclosure: Enclosure, found: Found) -> str:
     if not np.isfinite(found.upper):
-        return found, "no bound: a spring with preload or free length may shrink to nothing", True
-    method = METHOD + (SPRINGS if enclosure.springs else "")
-    return replace(found, upper=found.upper + enclosure.slack), method, True
+        return "no bound: a spring with preload or free length may shrink to nothing"
+    return METHOD + (SPRINGS if len(enclosure.intercepts) else "")
 
 
-def _estimates(field: _Field, rows: Mapping[str, Row], budget: int, joints: list[str]) -> dict[str, Bound]:
+def _estimates(field: Field, rows: Mapping[str, Row], budget: int, joints: list[str]) -> dict[str, Bound]:
+    if not joints:
+        return {}
     result = {}
     columns = [field.mechanism.driven.index(joint) for joint in joints]
     try:
@@ -108,88 +103,6 @@ def _bound(row: Row, found: Found, method: str, rigorous: bool) -> Bound:
     return Bound(row.sample_peak, polished, found.upper, row.unit, method, rigorous, found.cells, found.complete)
 
 
-@dataclass(eq=False)
-class _Field:
-    """The efforts of a design over a box: `residual(q)` (S, N, nd) in all extreme payloads."""
-
-    mechanism: Mechanism
-    balancers: tuple[Balancer, ...]
-    values: dict[str, float]
-    sweep: Sweep
-    box: Array
-
-    def __post_init__(self) -> None:
-        rng = np.random.default_rng(0)
-        self.probes = self.box[:, 0] + rng.random((PROBES, len(self.box))) * np.ptp(self.box, axis=1)
-        bare, _ = self._efforts(self.probes)
-        self.loads = np.abs(bare).max(axis=(0, 1))
-        self.springs = [b for b in self.balancers if isinstance(b, Spring) and self._intercept(b) != 0.0]
-
-    def residual(self, q: Array) -> Array:
-        """Efforts (S, N, nd) with the balancers at positions (N, nd)."""
-        return self._efforts(q)[1]
-
-    def dependence(self) -> NDArray[np.bool_]:
-        """Which joint's position changes which joint's effort (nd, nd), seen at random positions."""
-        joints = len(self.box)
-        probes = self.probes[:6]
-        moved = np.repeat(probes[None], joints, axis=0)
-        moved[np.arange(joints), :, np.arange(joints)] = np.roll(probes, 1, axis=0).T
-        here = self.residual(probes)[:, None]
-        there = self.residual(moved.reshape(-1, joints)).reshape(len(here), joints, len(probes), joints)
-        change = np.abs(there - here).max(axis=(0, 2)).T
-        return change > NEGLIGIBLE * max(float(np.abs(here).max()), float(self.loads.max()), 1e-300)
-
-    def enclosure(self, row: int, moving: NDArray[np.int_]) -> Enclosure | None:
-        """The effort of one joint as waves of the joints that move it; None where it proves to be no such thing."""
-        model = self.mechanism.model
-        slide = model.jnt_type[self.mechanism.driven_ids[moving]] == mujoco.mjtJoint.mjJNT_SLIDE
-        axes = Axes(~slide, self.box[moving])
-        nodes = np.tile(self.box.mean(axis=1), (3 ** len(moving), 1))
-        nodes[:, moving] = axes.nodes()
-        joint = int(self.mechanism.driven_ids[row])
-        stiffness = float(model.jnt_stiffness[joint])
-        rest = float(model.qpos_spring[model.jnt_qposadr[joint]])
-        own = int(np.flatnonzero(moving == row)[0]) if row in moving else -1
-        enclosure = Enclosure(
-            axes=axes,
-            waves=axes.fit(self._waves(nodes, row, stiffness, rest)),
-            scenarios=len(self.sweep.scenarios),
-            intercepts=np.array([self._intercept(spring) for spring in self.springs]),
-            spring=(stiffness, rest, own),
-        )
-        return enclosure.confirmed(self._waves(self.probes, row, stiffness, rest), self.probes[:, moving])
-
-    def _waves(self, q: Array, row: int, stiffness: float, rest: float) -> Array:
-        """P per payload, then s and ds/dq_row of every spring with an intercept: (F, N)."""
-        states, total = self._states(q), self._total(q)
-        smooth = total.reshape(-1, *q.shape)[..., row] - stiffness * (q[:, row] - rest)
-        shared = []
-        for spring in self.springs:
-            length, rate = spring.path.deform(states)
-            length, rate = length[: len(q)], rate[: len(q), row]
-            smooth = smooth - self._intercept(spring) * rate
-            shared += [length * length, 2 * length * rate]
-        return np.concatenate([smooth, np.array(shared).reshape(-1, len(q))])
-
-    def _intercept(self, spring: Spring) -> float:
-        """The force at length zero of the spring's line, N."""
-        own = {u.name.removeprefix(f"{spring.owner}."): self.values[u.name] for u in spring.unknowns}
-        return spring.law.affine_force(own)[0]
-
-    def _efforts(self, q: Array) -> tuple[Array, Array]:
-        states = self._states(q)
-        shape = (len(self.sweep.scenarios), *q.shape)
-        return states.holding.reshape(shape), self._total(q, states).reshape(shape)
-
-    def _total(self, q: Array, states: States | None = None) -> Array:
-        total = effort(self.mechanism, self.balancers, states or self._states(q))
-        return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
-
-    def _states(self, q: Array) -> States:
-        return self.mechanism.states(self.sweep.at_poses(q))
-
-
 def _open(mechanism: Mechanism) -> bool:
     """Whether the mechanism is an open tree whose own springs, if any, are linear ones at joints."""
     model = mechanism.model
@@ -204,10 +117,3 @@ def _one_turn(mechanism: Mechanism, box: Array) -> Array:
     turns = (model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE) & (model.jnt_stiffness[joints] == 0)
     high = np.where(turns & _open(mechanism), np.minimum(box[:, 1], box[:, 0] + 2 * np.pi), box[:, 1])
     return np.stack([box[:, 0], high], axis=1)
-
-
-def _extremes(sweep: Sweep) -> Sweep:
-    """The least and the largest mass of every payload: |r| is convex in the masses."""
-    low, high = sweep.scenarios.min(axis=0), sweep.scenarios.max(axis=0)
-    corners = [dict.fromkeys(pair) for pair in zip(low.tolist(), high.tolist(), strict=True)]
-    return replace(sweep, scenarios=np.array(list(itertools.product(*corners))).reshape(-1, len(low)))

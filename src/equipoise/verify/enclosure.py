@@ -41,21 +41,19 @@ class Enclosure:
     slack: float = 0.0
 
     @property
-    def springs(self) -> int:
-        """How many springs have an intercept."""
-        return len(self.intercepts)
-
-    @property
     def size(self) -> int:
         """Numbers held per cell."""
         return 3 * self.waves.size
 
-    def confirmed(self, values: Array, probes: Array) -> Enclosure | None:
-        """This enclosure with its slack, from values (F, N) at further positions; None where the waves do not fit."""
+    def confirmed(self, values: Array, probes: Array, noise: float) -> Enclosure | None:
+        """This enclosure with its slack, from values (F, N) at further positions; None where the waves do not fit.
+
+        noise is the size that rounding gives to efforts that should vanish.
+        """
         expected = point_values(self.waves, self.axes.basis(probes)).T
         scale = np.maximum(np.abs(values).max(axis=1), np.abs(self.waves).max(axis=1)) + 1e-300
         off = np.abs(values - expected).max(axis=1)
-        if (off > MISMATCH * scale).any():
+        if (off > MISMATCH * scale + 10 * noise).any():
             return None
         effort = slice(0, self.scenarios)
         return replace(self, slack=float(4 * off[effort].max() + ROUNDING * scale[effort].max()))

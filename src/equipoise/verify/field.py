@@ -1,0 +1,171 @@
+"""The efforts of a design over a box, and how few numbers each of them depends on."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.assemble import Balancer, effort
+from equipoise.balancers.spring import Spring
+from equipoise.mechanism import Mechanism
+from equipoise.states import States
+from equipoise.sweep import Sweep
+from equipoise.verify.enclosure import Enclosure
+from equipoise.verify.waves import Axes
+
+PROBES = 24
+FEW = 6
+NEGLIGIBLE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """y = middle + lead (q - mid): the n numbers that an effort depends on, hinges or slides, within box (n, 2).
+
+    joints (n,) are the joints that y are moved by while the others stay in the middle of their range.
+    """
+
+    joints: NDArray[np.int_]
+    lead: Array
+    box: Array
+
+
+class Field:
+    """Holding efforts over a sweep's box in its extreme payloads: |r| is convex in the masses.
+
+    loads (nd,) are the largest efforts without balancers and scale that of all terms, at random positions.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, balancers: Sequence[Balancer], values: Mapping[str, float], sweep: Sweep, box: Array
+    ) -> None:
+        self.mechanism, self.balancers, self.values, self.box = mechanism, balancers, values, box
+        self.sweep = _extremes(sweep)
+        self.middle = box.mean(axis=1)
+        self.probes = box[:, 0] + np.random.default_rng(0).random((PROBES, len(box))) * np.ptp(box, axis=1)
+        states = self._states(self.probes)
+        bare, total = states.holding, self._total(states)
+        self.loads = np.abs(bare).max(axis=0)
+        self.scale = float(np.maximum(np.abs(bare), np.abs(total - bare)).max())
+        self.springs = [b for b in balancers if isinstance(b, Spring) and self._intercept(b) != 0.0]
+
+    def residual(self, q: Array) -> Array:
+        """Efforts (S, N, nd) with the balancers at positions (N, nd)."""
+        return self._total(self._states(q)).reshape(-1, *q.shape)
+
+    def coordinates(self, row: int) -> Coordinates:
+        """What the effort of a joint depends on: joints that do not matter are left out, sums of angles count once.
+
+        Parallel hinges often move an effort by the sum of their angles only.
+        """
+        model, ids = self.mechanism.model, self.mechanism.driven_ids
+        hinge = model.jnt_type[ids] == mujoco.mjtJoint.mjJNT_HINGE
+        apart = ~hinge | ((np.arange(len(ids)) == row) & (model.jnt_stiffness[ids] != 0))
+        kept: list[int] = []
+        lead = np.zeros((len(ids), len(ids)))
+        for joint in np.flatnonzero(self._dependence[row]):
+            twin = [(other, sign) for other, sign in itertools.product(kept, (1, -1))
+                    if not apart[[joint, other]].any() and self._twins[row, other, joint, (1 - sign) // 2]]  # fmt: skip
+            target, sign = twin[0] if twin else (joint, 1)
+            lead[target, joint] = sign
+            kept += [] if twin else [int(joint)]
+        lead = lead[kept]
+        reach = np.abs(lead) @ np.ptp(self.box, axis=1) / 2
+        reach = np.where(~apart[kept], np.minimum(reach, np.pi), reach)
+        box = self.middle[kept, None] + reach[:, None] * np.array([-1.0, 1.0])
+        return Coordinates(np.array(kept, dtype=int), lead, box)
+
+    def enclosure(self, row: int, at: Coordinates) -> Enclosure | None:
+        """The effort of one joint as waves of its coordinates; None where it proves to be no such thing."""
+        model, ids = self.mechanism.model, self.mechanism.driven_ids
+        axes = Axes(model.jnt_type[ids[at.joints]] == mujoco.mjtJoint.mjJNT_HINGE, at.box)
+        nodes = np.tile(self.middle, (3 ** len(at.joints), 1))
+        nodes[:, at.joints] = axes.nodes()
+        stiffness = float(model.jnt_stiffness[ids[row]])
+        rest = float(model.qpos_spring[model.jnt_qposadr[ids[row]]])
+        probes = self._states(self.probes)
+        springs = [spring for spring in self.springs if self._matters(spring, probes, row)]
+        enclosure = Enclosure(
+            axes=axes,
+            waves=axes.fit(self._waves(nodes, row, springs, stiffness, rest)),
+            scenarios=len(self.sweep.scenarios),
+            intercepts=np.array([self._intercept(spring) for spring in springs]),
+            spring=(stiffness, rest, int(np.flatnonzero(at.joints == row)[0]) if stiffness else -1),
+        )
+        reduced = self.middle[at.joints] + (self.probes - self.middle) @ at.lead.T
+        values = self._waves(self.probes, row, springs, stiffness, rest)
+        return enclosure.confirmed(values, reduced, NEGLIGIBLE * self.scale)
+
+    def _waves(self, q: Array, row: int, springs: Sequence[Spring], stiffness: float, rest: float) -> Array:
+        """P per payload, then s and ds/dq_row of every spring with an intercept: (F, N)."""
+        states = self._states(q)
+        smooth = self._total(states).reshape(-1, *q.shape)[..., row] - stiffness * (q[:, row] - rest)
+        shared = []
+        for spring in springs:
+            length, rate = spring.path.deform(states)
+            length, rate = length[: len(q)], rate[: len(q), row]
+            smooth = smooth - self._intercept(spring) * rate
+            shared += [length * length, 2 * length * rate]
+        return np.concatenate([smooth, np.array(shared).reshape(-1, len(q))])
+
+    def _matters(self, spring: Spring, states: States, row: int) -> bool:
+        rate = spring.path.deform(states)[1][:, row]
+        return bool(np.abs(self._intercept(spring) * rate).max() > NEGLIGIBLE * self.scale)
+
+    def _intercept(self, spring: Spring) -> float:
+        """The force at length zero of the spring's line, N."""
+        own = {u.name.removeprefix(f"{spring.owner}."): self.values[u.name] for u in spring.unknowns}
+        return spring.law.affine_force(own)[0]
+
+    @cached_property
+    def _dependence(self) -> NDArray[np.bool_]:
+        """Which joint's position changes which joint's effort (row, joint), seen at random positions."""
+        probes = self.probes[:FEW]
+        joints = np.arange(len(self.box))
+        moved = np.repeat(probes[None], len(joints), axis=0)
+        moved[joints, :, joints] = np.roll(probes, 1, axis=0).T
+        return self._changes(moved).T > NEGLIGIBLE * self.scale
+
+    @cached_property
+    def _twins(self) -> NDArray[np.bool_]:
+        """Whether turning two joints by opposite (0) or equal (1) angles leaves an effort (row, joint, joint, 2)."""
+        joints = len(self.box)
+        table = np.zeros((joints, joints, joints, 2), dtype=bool)
+        pairs = list(itertools.permutations(range(joints), 2))
+        turn = np.random.default_rng(2).uniform(0.3, 1.0, FEW)
+        for side, sign in enumerate((-1.0, 1.0)):
+            moved = np.repeat(self.probes[None, :FEW], len(pairs), axis=0)
+            for number, (first, second) in enumerate(pairs):
+                moved[number, :, first] += turn
+                moved[number, :, second] += sign * turn
+            same = self._changes(moved) <= NEGLIGIBLE * self.scale
+            for (first, second), rows in zip(pairs, same, strict=True):
+                table[:, first, second, side] = rows
+        return table
+
+    def _changes(self, moved: Array) -> Array:
+        """Largest change (K, nd) of the efforts from the first probes to their moved copies (K, FEW, nd)."""
+        here = self.residual(self.probes[:FEW])[:, None]
+        there = self.residual(moved.reshape(-1, len(self.box))).reshape(len(here), *moved.shape)
+        return np.abs(there - here).max(axis=(0, 2), initial=0.0)
+
+    def _total(self, states: States) -> Array:
+        total = effort(self.mechanism, self.balancers, states)
+        return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
+
+    def _states(self, q: Array) -> States:
+        return self.mechanism.states(self.sweep.at_poses(q))
+
+
+def _extremes(sweep: Sweep) -> Sweep:
+    """The least and the largest mass of every payload."""
+    low, high = sweep.scenarios.min(axis=0), sweep.scenarios.max(axis=0)
+    corners = [dict.fromkeys(pair) for pair in zip(low.tolist(), high.tolist(), strict=True)]
+    return replace(sweep, scenarios=np.array(list(itertools.product(*corners))))
