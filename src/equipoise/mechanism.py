@@ -13,6 +13,7 @@ from mujoco.batch import Batch
 
 from equipoise.affine import Affine, Array, Block
 from equipoise.errors import InputError, ModelError, nearest
+from equipoise.units import Acceleration
 
 if TYPE_CHECKING:
     from equipoise.states import States
@@ -54,7 +55,7 @@ class Mechanism:
         model: str | Path,
         *,
         driven: tuple[str, ...] | list[str] | None = None,
-        gravity: tuple[float, float, float] | list[float] | None = None,
+        gravity: tuple[Acceleration, Acceleration, Acceleration] | list[Acceleration] | None = None,
         branch: str | None = None,
         search: tuple[str | Path, ...] | list[str | Path] = (),
     ) -> Mechanism:

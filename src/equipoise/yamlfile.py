@@ -12,8 +12,11 @@ from equipoise.errors import ProblemError
 MAX_BYTES = 256 * 1024
 MAX_VALUES = 50_000
 MAX_DEPTH = 40
+MAX_TEXT = 2000
 
 _CORE = "tag:yaml.org,2002:"
+# Dates and `=` are what ruamel sees in plain text; they stay text.
+_PLAIN = ("map", "seq", "str", "int", "float", "bool", "null", "timestamp", "value")
 _INT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _SPECIAL = {".inf": float("inf"), "+.inf": float("inf"), "-.inf": float("-inf"), ".nan": float("nan")}
@@ -43,7 +46,7 @@ def read_yaml(path: Path, name: str = "") -> Document:
         raise ProblemError("there is no such file", where=name, hint=_beside(path)) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise ProblemError(f"the file cannot be read: {reason}", where=name) from None
+        raise ProblemError(f"the file cannot be read: {reason}", where=name, hint="name a readable file") from None
     if len(content) > MAX_BYTES:
         raise ProblemError(
             f"the file is larger than {MAX_BYTES // 1024} kB",
@@ -64,17 +67,27 @@ def parse_yaml(text: str, name: str) -> Document:
     from ruamel.yaml.error import YAMLError
 
     try:
+        _refuse_towers(text)
         node = YAML(typ="safe", pure=True).compose(text)
     except YAMLError as error:
         raise _syntax(error, name) from None
     except RecursionError:
         raise ProblemError("the blocks are nested too deeply", where=name) from None
-    except Exception as error:  # noqa: BLE001 - the parser has failures of its own on malformed text
+    except Exception as error:  # the parser has failures of its own on malformed text
         raise ProblemError(f"the file is not YAML ({type(error).__name__})", where=name) from None
     if node is None:
         return Document(name, None)
     reader = _Reader(name)
     return Document(name, reader.read(node, 0), reader.lines)
+
+
+def _refuse_towers(text: str) -> None:
+    """Raise RecursionError for towers of brackets, which the parser would take seconds to fall off."""
+    depth = 0
+    for letter in text:
+        depth += (letter in "[{") - (letter in "]}")
+        if depth > 5 * MAX_DEPTH:
+            raise RecursionError
 
 
 class _Reader:
@@ -93,10 +106,14 @@ class _Reader:
                 where=self._where(node),
                 hint="write the values out, without anchors and aliases",
             )
-        if str(node.tag).removeprefix(_CORE) not in ("map", "seq", "str", "int", "float", "bool", "null"):
+        if str(node.tag).removeprefix(_CORE) not in _PLAIN:
             shown = str(node.tag).removeprefix(_CORE)[:40]
-            raise ProblemError(f"the tag !{shown.lstrip('!')} is not allowed", where=self._where(node), hint="remove it")
+            what = f"the tag !{shown.lstrip('!')} is not allowed"
+            raise ProblemError(what, where=self._where(node), hint="remove it")
         if isinstance(node.value, str):
+            if len(node.value) > MAX_TEXT:
+                what = f"a text of {len(node.value)} characters"
+                raise ProblemError(what, where=self._where(node), hint="shorten it")
             return self._scalar(node)
         place = self.lines.setdefault
         if str(node.tag) == f"{_CORE}seq":
@@ -145,9 +162,8 @@ def _syntax(error: Any, name: str) -> ProblemError:
     problem = getattr(error, "problem", None) or str(error).splitlines()[0]
     context = getattr(error, "context", None)
     said = " ".join(f"{context + ', ' if context else ''}{problem}".split())
-    return ProblemError(
-        f"not valid YAML: {said}"[:300], where=where, hint="check indentation, brackets, colons and tabs near this place"
-    )
+    hint = "check indentation, brackets, colons and tabs near this place"
+    return ProblemError(f"not valid YAML: {said}"[:300], where=where, hint=hint)
 
 
 def _beside(path: Path) -> str:

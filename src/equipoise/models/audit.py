@@ -16,6 +16,7 @@ HEAVY = 1000.0
 
 _LIGHT = 1e-9
 _FAR = 1e6
+_HUGE = 1e9
 
 
 def refuse_nonsense(model: mujoco.MjModel, where: str) -> None:
@@ -35,9 +36,15 @@ def refuse_nonsense(model: mujoco.MjModel, where: str) -> None:
         if not np.all(np.isfinite(values)):
             raise ModelError(f"joint {model.joint(joint).name!r} has an axis, place or range that is not finite",
                              where=where)  # fmt: skip
-    rest = (model.qpos0, model.key_qpos, model.eq_data, model.opt.gravity)
-    if not all(np.all(np.isfinite(values)) for values in rest):
-        raise ModelError("a posture, equality or gravity is not finite", where=where)
+    rest = {
+        "the zero posture": model.qpos0,
+        "a keyframe": model.key_qpos,
+        "an equality": model.eq_data,
+        "gravity": model.opt.gravity,
+    }
+    for what, values in rest.items():
+        if not np.all(np.abs(values) < _HUGE):  # also false for NaN
+            raise ModelError(f"{what} holds a number that is not finite or beyond {_HUGE:g}", where=where)
 
 
 def mass_remarks(model: mujoco.MjModel) -> Iterator[str]:
@@ -48,7 +55,7 @@ def mass_remarks(model: mujoco.MjModel) -> Iterator[str]:
     if total > HEAVY:
         yield (
             f"total mass {total:,.0f} kg: a robot does not weigh that; the heaviest body is "
-            f"{model.body(heaviest).name} with {masses[heaviest]:,.0f} kg; holding torques mean nothing until it is put right"
+            f"{model.body(heaviest).name} with {masses[heaviest]:,.0f} kg; put it right before trusting any torque"
         )
     moving = model.body_weldid != 0
     if not masses[moving].sum() > 1e-6:
@@ -73,6 +80,8 @@ def feature_remarks(model: mujoco.MjModel, gravity_given: bool) -> Iterator[str]
     cords = [model.tendon(t).name or f"tendon {t}" for t in range(model.ntendon) if np.any(model.tendon_stiffness[t])]
     if stiff or cords:
         yield f"springs of the file count as part of the mechanism: {some([*stiff, *cords])}"
+    if np.any(model.actuator_dyntype == mujoco.mjtDyn.mjDYN_MUSCLE):
+        yield "muscles of the file do not act"
     if model.nmocap:
         yield "mocap bodies stay where the file puts them"
     if not gravity_given and not np.any(model.opt.gravity):

@@ -56,7 +56,7 @@ def choose_driven(model: mujoco.MjModel, reference: Array, wanted: Sequence[str]
     Raises InputError for a wanted joint that cannot be driven.
     """
     asked = None if wanted is None else _asked(model, wanted, where)
-    J = loop_jacobian(model, reference)
+    J = loop_jacobian(model, reference, where)
     basis = _following_dofs(J, _order(model, asked))
     touched = np.linalg.norm(J, axis=0) > _TOUCHED if len(J) else np.zeros(model.nv, dtype=bool)
     driven, following, held, loose = [], [], [], []

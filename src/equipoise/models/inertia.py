@@ -53,19 +53,19 @@ def valid_inertia(matrix: Array, name: str, repairs: Repairs) -> Array:
 
     Valid: eigenvalues A <= B <= C positive and A + B >= C. A shift keeps the principal axes.
     """
-    A, B, C = np.linalg.eigvalsh(matrix)
-    floor = max(LEAST_INERTIA, 1e-9 * abs(C))
-    lift = max(0.0, floor - A)
+    least, middle, most = np.linalg.eigvalsh(matrix)
+    floor = max(LEAST_INERTIA, 1e-9 * abs(most))
     # MuJoCo compares without tolerance: a plate printed to six digits fails at the last of them.
-    gap = C * (1.0 + 1e-10) - A - B
-    lift = max(lift, gap if gap > 0.0 else 0.0)
+    gap = most * (1.0 + 1e-10) - least - middle
+    lift = max(0.0, floor - least, gap)
     if not lift:
         return matrix
-    scale = max(abs(A), abs(C))
+    scale = max(abs(least), abs(most))
     if scale < LEAST_INERTIA:
         repairs.point.append(name)
-    elif A < -_ROUNDING * scale or A <= 0.0:
+    elif least <= 0.0:
         repairs.sign.append(name)
-    elif gap > _ROUNDING * scale or A < floor:
+    elif gap > _ROUNDING * scale:
         repairs.triangle.append(name)
+    # What is left is a lift in the last printed digits, not worth a word.
     return matrix + lift * np.eye(3)

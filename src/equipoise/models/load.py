@@ -49,6 +49,8 @@ def load(
             _set_gravity(spec, gravity, where)
         # MuJoCo's default prints six digits when the model is saved.
         spec.compiler.savecompiled = False
+        # For muscles the compiler would simulate until their length settles, which a bad file never does.
+        spec.compiler.LRopt.mode = int(mujoco.mjtLRMode.mjLRMODE_NONE)
         compiled = _compile(spec, where)
         refuse_nonsense(compiled, where)
         if _take_motor_limits(spec, compiled):
@@ -61,8 +63,8 @@ def load(
     audit = [*mass_remarks(compiled), *remarks, *feature_remarks(compiled, gravity is not None)]
     if not choice.driven:
         why = "; ".join([*remarks, *choice.remarks(compiled, reference)]) or "the file has no hinge and no slide"
-        raise ModelError(f"nothing is driven: {why}", where=where,
-                         hint="give joints a range (lower < upper) or the type continuous, or name them in `driven`")  # fmt: skip
+        hint = "give joints a range (lower < upper) or the type continuous, or name them in `driven`"
+        raise ModelError(f"nothing is driven: {why}", where=where, hint=hint)
     name = spec.modelname if spec.modelname not in _UNNAMED else path.stem
     audit += choice.remarks(compiled, reference)
     return Mechanism(
@@ -72,7 +74,7 @@ def load(
         reference=reference,
         name=name,
         remarks=tuple(dict.fromkeys([*audit, *(f"MuJoCo: {line}" for line in said)])),
-        source=path,
+        source=path.absolute(),
     )
 
 

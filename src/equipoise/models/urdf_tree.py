@@ -10,7 +10,7 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import ModelError, nearest
-from equipoise.models.notices import some
+from equipoise.models.urdf_check import check_mimic, check_tree
 from equipoise.models.xmlfile import number, numbers
 
 Vector = tuple[float, ...]
@@ -108,8 +108,8 @@ def read_tree(root: ET.Element, where: str) -> Tree:
         raise ModelError("the robot has no link", where=where, hint="if this came from xacro, expand it again")
     if len(links) > _MOST_LINKS:
         raise ModelError(f"{len(links)} links are more than the {_MOST_LINKS} that are read", where=where)
-    _check_tree(links, list(joints.values()), where)
-    _check_mimic(joints, where)
+    check_tree(links, list(joints.values()), where)
+    check_mimic(joints, where)
     return Tree(root.get("name") or "", links, list(joints.values()))
 
 
@@ -210,45 +210,3 @@ def _range(low: float, high: float, name: str, where: str) -> tuple[float, float
         )
     # Limits of 1e16 are how some exporters write "none".
     return None if low <= -_UNLIMITED or high >= _UNLIMITED else (low, high)
-
-
-def _check_tree(links: dict[str, Link], joints: list[Joint], where: str) -> None:
-    names = list(links)
-    above: dict[str, Joint] = {}
-    for joint in joints:
-        for end in (joint.parent, joint.child):
-            if end not in links:
-                raise ModelError(f"joint {joint.name!r} joins the unknown link {end!r}", where=where,
-                                 hint=nearest(end, names))  # fmt: skip
-        if joint.child in above:
-            both = f"{above[joint.child].name!r} and {joint.name!r}"
-            raise ModelError(f"link {joint.child!r} hangs on two joints, {both}", where=where,
-                             hint="a URDF is a tree: close loops in MJCF, with an equality")  # fmt: skip
-        above[joint.child] = joint
-    roots = [name for name in names if name not in above]
-    if len(roots) > 1:
-        raise ModelError(f"links {some(roots)} are joined to nothing above them: one root is needed", where=where)
-    below: dict[str, list[str]] = {}
-    for joint in joints:
-        below.setdefault(joint.parent, []).append(joint.child)
-    reached = roots[:]
-    for name in reached:
-        reached.extend(below.get(name, []))
-    if len(reached) < len(names):
-        lost = some(sorted(set(names) - set(reached)))
-        raise ModelError(f"there is a loop of links and no root above it: {lost}", where=where)
-    if "world" in links and roots != ["world"]:
-        raise ModelError("a link that moves is named 'world'", where=where, hint="rename it: `world` is the base")
-
-
-def _check_mimic(joints: dict[str, Joint], where: str) -> None:
-    for joint in joints.values():
-        seen = [joint.name]
-        while joints[seen[-1]].mimic:
-            source = joints[seen[-1]].mimic
-            if source not in joints:
-                raise ModelError(f"joint {seen[-1]!r} mimics the unknown joint {source!r}", where=where,
-                                 hint=nearest(source, list(joints)))  # fmt: skip
-            if source in seen:
-                raise ModelError(f"joints mimic each other in a circle: {some([*seen, source])}", where=where)
-            seen.append(source)
