@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from equipoise.verify.continuum import bounds
 from equipoise.verify.energy import energy_errors
 from equipoise.verify.saved import save
 from equipoise.verify.simulate import ENGINE, compare
-from equipoise.verify.verification import Verification
+from equipoise.verify.verification import Bound, Verification
 
 POSES = 10_000
 SEED = 20_259
@@ -49,6 +50,7 @@ def verify(
 
 def _judged(design: Design, path: Path, kept: Path | None, poses: int, seed: int) -> Design:
     comparison = compare(design, path, poses, seed)
+    between = bounds(design.mechanism, design.balancers, design.values, design.sweep, design.after)
     verification = Verification(
         engine=ENGINE,
         poses=len(comparison.states) // len(design.sweep.scenarios),
@@ -60,11 +62,21 @@ def _judged(design: Design, path: Path, kept: Path | None, poses: int, seed: int
         tolerance=TOLERANCE,
         energy=energy_errors(design, seed=seed),
         energy_tolerance=ENERGY_TOLERANCE,
-        bounds=bounds(design.mechanism, design.balancers, design.values, design.sweep, design.after),
+        bounds=between,
         model=kept,
-        notes=comparison.notes,
+        notes=(*comparison.notes, *_missed(design, between)),
     )
     return replace(design, verification=verification)
+
+
+def _missed(design: Design, between: Mapping[str, Bound]) -> tuple[str, ...]:
+    """Peaks that the search between the samples met above the polished ones."""
+    rows = design.after
+    return tuple(
+        f"{joint}: {bound.polished:.6g} {bound.unit} was met between the samples, above the peak {rows[joint].peak:.6g}"
+        for joint, bound in between.items()
+        if bound.polished > rows[joint].peak * (1 + 1e-6) + 1e-9 * rows[joint].rms
+    )
 
 
 def insist(design: Design) -> None:
@@ -78,7 +90,7 @@ def insist(design: Design) -> None:
             raise DisagreementError(
                 f"the saved model differs by {error.error:.3g} {error.unit} at {joint}; largest at {found.worst}",
                 where=where,
-                hint="look at the saved model's sites, tendons and masses; if they are right, please report this design",
+                hint="look at the saved model's sites, tendons and masses; if they are right, please report this",
             )
     name, error = max(found.energy.items(), key=lambda item: item[1])
     raise DisagreementError(

@@ -34,7 +34,7 @@ class Found:
 
 
 def search(
-    enclose: Enclose, box: Array, known: float, relative: float, absolute: float, budget: int, chunk: int
+    enclose: Enclose, box: Array, known: float, *, relative: float, absolute: float, budget: int, chunk: int
 ) -> Found:
     """Bound |r| over a box (n, 2), splitting the cells with the largest bounds first.
 

@@ -8,24 +8,23 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from equipoise.affine import Array
 from equipoise.assemble import Balancer
 from equipoise.design import Row
 from equipoise.errors import LoopError
 from equipoise.mechanism import Mechanism
 from equipoise.sweep import Sweep
 from equipoise.verify.boxes import Found, search
-from equipoise.verify.enclosure import Enclosure
 from equipoise.verify.estimate import estimate
 from equipoise.verify.field import Field
 from equipoise.verify.verification import Bound
 
-RELATIVE = 0.01
-OF_LOAD = 1e-3
+RELATIVE = 0.002
+OF_LOAD = 1e-4
 BUDGET = 60_000
 WIDEST = 8
 MEMORY = 4_000_000
-WORK = 100_000_000
+WORK = 300_000_000
+LEAST = 6_000_000
 
 METHOD = (
     "branch and bound; the effort is affine in (cos q, sin q) of every hinge, so its largest value over a cell is "
@@ -51,51 +50,53 @@ def bounds(
     P_j (gravity, point masses, zero-free-length shares of all springs), s_m and ds_m/dq_j of an open chain are
     affine in (cos q, sin q) of each hinge and quadratic in each slide: three values per joint determine
     them, and triangles around the arcs enclose them. Cells are split until the bound exceeds the largest value
-    met by less than 1 % or 0.1 % of the joint's load, or `budget` cells of that joint are used; it is valid
-    either way, up to rounding. Closed loops, tendon springs of the file, and efforts that depend on more than
-    eight joints get an estimate, which says so. A sweep without a box has no bounds.
+    met by less than 0.2 % or 0.01 % of the joint's load, or `budget` cells of that joint are used; it is valid
+    either way, up to rounding. Mechanisms with closed loops or tendon springs of their own get an estimate,
+    efforts that depend on more than eight joints no bound; both say so. A sweep without a box has no bounds.
     """
     if sweep.box is None:
         return {}
-    field = Field(mechanism, balancers, values, sweep, _one_turn(mechanism, sweep.box))
-    result, left = {}, list(mechanism.driven)
-    for index, joint in enumerate(mechanism.driven if _open(mechanism) else ()):
-        at = field.coordinates(index)
-        enclosure = field.enclosure(index, at) if len(at.joints) <= WIDEST else None
-        if enclosure is not None:
-            left.remove(joint)
-            found = _searched(enclosure, at.box, rows[joint].peak, OF_LOAD * field.loads[index], budget)
-            result[joint] = _bound(rows[joint], found, _method(enclosure, found), True)
-    result |= _estimates(field, rows, budget, left)
-    return {joint: result[joint] for joint in mechanism.driven}
-
-
-def _searched(enclosure: Enclosure, box: Array, peak: float, absolute: float, budget: int) -> Found:
-    most = min(budget, WORK // enclosure.size)
-    found = search(enclosure, box, peak, RELATIVE, absolute, most, max(16, MEMORY // enclosure.size))
-    return replace(found, upper=found.upper + enclosure.slack)
-
-
-def _method(enclosure: Enclosure, found: Found) -> str:
-    if not np.isfinite(found.upper):
-        return "no bound: a spring with preload or free length may shrink to nothing"
-    return METHOD + (SPRINGS if len(enclosure.intercepts) else "")
-
-
-def _estimates(field: Field, rows: Mapping[str, Row], budget: int, joints: list[str]) -> dict[str, Bound]:
-    if not joints:
-        return {}
-    result = {}
-    columns = [field.mechanism.driven.index(joint) for joint in joints]
+    if _open(mechanism):
+        field = Field(mechanism, balancers, values, sweep)
+        return {joint: _row(field, index, rows[joint], budget) for index, joint in enumerate(mechanism.driven)}
+    peaks = [rows[joint].peak for joint in mechanism.driven]
+    method = ESTIMATE
     try:
-        found = estimate(field.residual, field.box, columns, [rows[j].peak for j in joints], RELATIVE, OF_LOAD, budget)
+        field = Field(mechanism, balancers, values, sweep)
+        found = estimate(field.residual, field.box, peaks, relative=RELATIVE, of_load=OF_LOAD, budget=budget)
     except LoopError as error:
-        found = [Found(np.inf, rows[joint].peak, 0, False) for joint in joints]
+        found = [Found(np.inf, peak, 0, False) for peak in peaks]
         method = f"no bound: the loops do not close everywhere in the box ({error.message})"
-        return {joint: _bound(rows[joint], item, method, False) for joint, item in zip(joints, found, strict=True)}
-    for joint, item in zip(joints, found, strict=True):
-        result[joint] = _bound(rows[joint], item, ESTIMATE, False)
-    return result
+    return {
+        joint: _bound(rows[joint], item, method, False) for joint, item in zip(mechanism.driven, found, strict=True)
+    }
+
+
+def _row(field: Field, index: int, row: Row, budget: int) -> Bound:
+    """The bound of one joint of an open chain."""
+    at = field.coordinates(index)
+    joints = len(at.joints)
+    if joints > WIDEST:
+        method = f"no bound: the effort depends on {joints} joints, no more than {WIDEST} can be searched"
+        return _bound(row, Found(np.inf, row.peak, 0, False), method, False)
+    enclosure = field.enclosure(index, at)
+    if enclosure is None:
+        method = "no bound: joints that copy others make the effort no plain wave of each hinge"
+        return _bound(row, Found(np.inf, row.peak, 0, False), method, False)
+    work = max(LEAST, WORK // len(field.box))
+    found = search(
+        enclosure,
+        at.box,
+        row.peak,
+        relative=RELATIVE,
+        absolute=OF_LOAD * field.loads[index],
+        budget=min(budget, work // enclosure.size),
+        chunk=max(16, MEMORY // enclosure.size),
+    )
+    if not np.isfinite(found.upper):
+        return _bound(row, found, "no bound: a spring with preload or free length may shrink to nothing", True)
+    method = METHOD + (SPRINGS if len(enclosure.intercepts) else "")
+    return _bound(row, replace(found, upper=found.upper + enclosure.slack), method, True)
 
 
 def _bound(row: Row, found: Found, method: str, rigorous: bool) -> Bound:
@@ -104,16 +105,10 @@ def _bound(row: Row, found: Found, method: str, rigorous: bool) -> Bound:
 
 
 def _open(mechanism: Mechanism) -> bool:
-    """Whether the mechanism is an open tree whose own springs, if any, are linear ones at joints."""
+    """Whether the mechanism is an open tree, but for joints that copy others, with linear springs at joints only."""
     model = mechanism.model
+    active = model.eq_active0.astype(bool)
+    copies = (model.eq_type == mujoco.mjtEq.mjEQ_JOINT) & ~model.eq_data[:, 2:5].any(axis=1)
     plain = not (model.jnt_stiffnesspoly.any() or model.jnt_springyield.any())
-    return bool(plain and not model.eq_active0.any() and not model.tendon_stiffness.any()
-                and not model.tendon_stiffnesspoly.any())  # fmt: skip
-
-
-def _one_turn(mechanism: Mechanism, box: Array) -> Array:
-    """The box with hinges cut to one turn, unless a spring at the joint remembers how often it turned."""
-    model, joints = mechanism.model, mechanism.driven_ids
-    turns = (model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE) & (model.jnt_stiffness[joints] == 0)
-    high = np.where(turns & _open(mechanism), np.minimum(box[:, 1], box[:, 0] + 2 * np.pi), box[:, 1])
-    return np.stack([box[:, 0], high], axis=1)
+    tendons = model.tendon_stiffness.any() or model.tendon_stiffnesspoly.any()
+    return bool(plain and not tendons and not (active & ~copies).any())

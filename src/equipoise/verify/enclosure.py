@@ -96,7 +96,9 @@ class Enclosure:
                      np.zeros((C, n)))  # fmt: skip
         return Judged(top + remainder, met, _split(share, spread, remainder, half))
 
-    def _shares(self, value: Array, corner: NDArray[np.int_], digits: NDArray[np.int_], virtual: Array) -> Array:
+    def _shares(
+        self, value: Array, corner: NDArray[np.int_], digits: NDArray[np.int_], virtual: NDArray[np.bool_]
+    ) -> Array:
         """How much the worst corner's value (C, n) exceeds what the joint's other corners give, where it is virtual."""
         low, here, high = self._along(value, corner, digits)
         with np.errstate(invalid="ignore"):

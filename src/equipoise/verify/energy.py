@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -91,7 +92,7 @@ def _element(element: Mechanism | Balancer, line: Line, design: Design) -> tuple
     coarser = table[-1]
     for order in range(1, LEVELS):
         coarser = table[-1]
-        table = [fine + (fine - rough) / (4**order - 1) for rough, fine in zip(table, table[1:], strict=False)]
+        table = [fine + (fine - rough) / (4**order - 1) for rough, fine in pairwise(table)]
     return effort, table[-1], np.abs(table[-1] - coarser)
 
 

@@ -12,20 +12,22 @@ from equipoise.verify.boxes import Found, Judged, search
 STEP = 1e-3
 SAFETY = 1.5
 SAMPLES = 128
-MOST = 6_000
+WORK = 100_000
 CHUNK = 512
+
+Residual = Callable[[Array], Array]
 
 
 def estimate(
-    residual: Callable[[Array], Array],
+    residual: Residual,
     box: Array,
-    columns: Sequence[int],
     peaks: Sequence[float],
+    *,
     relative: float,
     of_load: float,
     budget: int,
 ) -> list[Found]:
-    """An estimate of max |r_j| over a box for each of `columns`, by branch and bound with
+    """An estimate of max |r_j| over a box for each driven joint, by branch and bound with
 
         |r_j(q)| <= |r_j(c)| + sum_i |dr_j/dq_i(c)| h_i + sum_ik M_jik h_i h_k / 2
 
@@ -33,51 +35,64 @@ def estimate(
     why this is no bound. residual maps positions (N, nd) to efforts (S, N, nd); peaks are values known to be
     reached. Raises LoopError where loops do not close in the box.
     """
-    swept = np.flatnonzero(np.ptp(box, axis=1) > 0)
-    rng = np.random.default_rng(1)
-    samples = box[:, 0] + rng.random((SAMPLES, len(box))) * np.ptp(box, axis=1)
-    step = STEP * np.minimum(1.0, np.ptp(box, axis=1)[swept])
-
-    def local(q: Array) -> tuple[Array, Array]:
-        """Efforts (S, N, R) and slopes (S, N, R, n) of the columns."""
-        shifts = np.concatenate([[0.0 * q[0]], *(_pair(len(box), i, h) for i, h in zip(swept, step, strict=True))])
-        around = residual((q + shifts[:, None]).reshape(-1, len(box)))[..., columns]
-        around = around.reshape(len(around), len(shifts), len(q), -1)
-        slopes = (around[:, 1::2] - around[:, 2::2]) / (2 * step[:, None, None])
-        return around[:, 0], np.moveaxis(slopes, 1, -1)
-
-    bend = np.stack(
-        [
-            np.abs(local(samples + _pair(len(box), i, h)[0])[1] - local(samples + _pair(len(box), i, h)[1])[1])
-            .max(axis=(0, 1)) / (2 * h)
-            for i, h in zip(swept, step, strict=True)
-        ] or [np.zeros((len(columns), 0))],
-        axis=1,
-    )  # fmt: skip
+    local = _Local(residual, box)
+    samples = box[:, 0] + np.random.default_rng(1).random((SAMPLES, len(box))) * np.ptp(box, axis=1)
+    scenarios = len(residual(samples[:1]))
+    cost = scenarios * (2 * len(local.swept) + 1)
+    few = max(4, WORK // (2 * cost * max(1, len(local.swept))))
+    curvature = SAFETY * local.curvature(samples[:few])
     loads = np.abs(residual(samples)).max(axis=(0, 1))
-    found = []
-    for row, column in enumerate(columns):
-        curvature = SAFETY * np.maximum(bend[row], np.swapaxes(bend[row], 0, 1)) if len(swept) else bend[row]
-
-        def enclose(centre: Array, half: Array, row: int = row, curvature: Array = curvature) -> Judged:
-            q = np.tile(box.mean(axis=1), (len(centre), 1))
-            q[:, swept] = centre
-            value, slope = local(q)
-            linear = np.abs(slope[:, :, row]) * half
-            second = np.einsum("ci,ik,ck->ci", half, curvature, half) / 2 if len(swept) else half
-            upper = np.abs(value[:, :, row]) + linear.sum(axis=-1) + second.sum(axis=-1)
-            return Judged(
-                upper.max(axis=0),
-                np.abs(value[:, :, row]).max(axis=0),
-                (linear.max(axis=0) + second).argmax(axis=1) if len(swept) else np.zeros(len(centre), dtype=int),
-            )
-
-        absolute = of_load * float(loads[column])
-        found.append(search(enclose, box[swept], peaks[row], relative, absolute, min(budget, MOST), CHUNK))
-    return found
+    return [
+        search(
+            lambda centre, half, row=row: local.judge(centre, half, row, curvature[row]),
+            box[local.swept],
+            peaks[row],
+            relative=relative,
+            absolute=of_load * float(loads[row]),
+            budget=max(64, min(budget, WORK // (cost * len(peaks)))),
+            chunk=CHUNK,
+        )
+        for row in range(len(peaks))
+    ]
 
 
-def _pair(width: int, joint: int, step: float) -> Array:
-    pair = np.zeros((2, width))
-    pair[:, joint] = step, -step
-    return pair
+class _Local:
+    """Efforts of all joints with their slopes along the swept joints, by central differences."""
+
+    def __init__(self, residual: Residual, box: Array) -> None:
+        self.residual = residual
+        self.middle = box.mean(axis=1)
+        span = np.ptp(box, axis=1)
+        self.swept = np.flatnonzero(span > 0)
+        self.step = STEP * np.minimum(1.0, span[self.swept])
+        shifts = np.zeros((len(self.swept), len(box)))
+        shifts[np.arange(len(self.swept)), self.swept] = self.step
+        self.shifts = shifts
+
+    def __call__(self, q: Array) -> tuple[Array, Array]:
+        """Efforts (S, N, R) and slopes (S, N, R, n) at positions (N, nd)."""
+        moves = np.concatenate([np.zeros((1, q.shape[1])), self.shifts, -self.shifts])
+        around = self.residual((q + moves[:, None]).reshape(-1, q.shape[1]))
+        around = around.reshape(len(around), len(moves), len(q), -1)
+        ahead, behind = np.split(around[:, 1:], 2, axis=1)
+        return around[:, 0], np.moveaxis((ahead - behind) / (2 * self.step[:, None, None]), 1, -1)
+
+    def curvature(self, q: Array) -> Array:
+        """Largest second derivatives (R, n, n) over positions (N, nd)."""
+        table = np.zeros((len(self.middle), len(self.swept), len(self.swept)))
+        for place, (shift, step) in enumerate(zip(self.shifts, self.step, strict=True)):
+            change = self(q + shift)[1] - self(q - shift)[1]
+            table[:, place] = np.abs(change).max(axis=(0, 1)) / (2 * step)
+        return np.maximum(table, np.swapaxes(table, 1, 2))
+
+    def judge(self, centre: Array, half: Array, row: int, curvature: Array) -> Judged:
+        """Judge cells of the swept joints, (C, n) both, for one driven joint."""
+        q = np.tile(self.middle, (len(centre), 1))
+        q[:, self.swept] = centre
+        value, slope = (part[:, :, row] for part in self(q))
+        linear = np.abs(slope) * half
+        second = half * (half @ curvature) / 2
+        upper = np.abs(value) + linear.sum(axis=-1) + second.sum(axis=-1)
+        weight = linear.max(axis=0) + second
+        split = weight.argmax(axis=1) if weight.shape[1] else np.zeros(len(centre), dtype=int)
+        return Judged(upper.max(axis=0), np.abs(value).max(axis=0), split)

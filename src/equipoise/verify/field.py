@@ -22,6 +22,7 @@ from equipoise.verify.waves import Axes
 
 PROBES = 24
 FEW = 6
+WIDTH = 1_000_000
 NEGLIGIBLE = 1e-12
 
 
@@ -44,13 +45,15 @@ class Field:
     """
 
     def __init__(
-        self, mechanism: Mechanism, balancers: Sequence[Balancer], values: Mapping[str, float], sweep: Sweep, box: Array
+        self, mechanism: Mechanism, balancers: Sequence[Balancer], values: Mapping[str, float], sweep: Sweep
     ) -> None:
+        box = np.array(sweep.box)
         self.mechanism, self.balancers, self.values, self.box = mechanism, balancers, values, box
         self.sweep = _extremes(sweep)
         self.middle = box.mean(axis=1)
         self.probes = box[:, 0] + np.random.default_rng(0).random((PROBES, len(box))) * np.ptp(box, axis=1)
         states = self._states(self.probes)
+        self._copied = (np.abs(states.D) > 0).any(axis=0).sum(axis=0) > 1
         bare, total = states.holding, self._total(states)
         self.loads = np.abs(bare).max(axis=0)
         self.scale = float(np.maximum(np.abs(bare), np.abs(total - bare)).max())
@@ -58,7 +61,10 @@ class Field:
 
     def residual(self, q: Array) -> Array:
         """Efforts (S, N, nd) with the balancers at positions (N, nd)."""
-        return self._total(self._states(q)).reshape(-1, *q.shape)
+        bodies = self.mechanism.model.nbody
+        most = max(1, WIDTH // (bodies * len(self.sweep.scenarios)))
+        parts = [q[start : start + most] for start in range(0, len(q), most)]
+        return np.concatenate([self._total(self._states(part)).reshape(-1, *part.shape) for part in parts], axis=1)
 
     def coordinates(self, row: int) -> Coordinates:
         """What the effort of a joint depends on: joints that do not matter are left out, sums of angles count once.
@@ -67,7 +73,8 @@ class Field:
         """
         model, ids = self.mechanism.model, self.mechanism.driven_ids
         hinge = model.jnt_type[ids] == mujoco.mjtJoint.mjJNT_HINGE
-        apart = ~hinge | ((np.arange(len(ids)) == row) & (model.jnt_stiffness[ids] != 0))
+        # Hinges whose effort does not repeat every turn: a spring sits there, or other joints copy the angle.
+        apart = ~hinge | ((np.arange(len(ids)) == row) & (model.jnt_stiffness[ids] != 0)) | self._copied
         kept: list[int] = []
         lead = np.zeros((len(ids), len(ids)))
         for joint in np.flatnonzero(self._dependence[row]):
@@ -131,14 +138,16 @@ class Field:
         joints = np.arange(len(self.box))
         moved = np.repeat(probes[None], len(joints), axis=0)
         moved[joints, :, joints] = np.roll(probes, 1, axis=0).T
-        return self._changes(moved).T > NEGLIGIBLE * self.scale
+        change = self._changes(moved)
+        return (change > NEGLIGIBLE * self.scale).T
 
     @cached_property
     def _twins(self) -> NDArray[np.bool_]:
         """Whether turning two joints by opposite (0) or equal (1) angles leaves an effort (row, joint, joint, 2)."""
         joints = len(self.box)
         table = np.zeros((joints, joints, joints, 2), dtype=bool)
-        pairs = list(itertools.permutations(range(joints), 2))
+        together = self._dependence.T.astype(int) @ self._dependence > 0
+        pairs = [pair for pair in itertools.combinations(range(joints), 2) if together[pair]]
         turn = np.random.default_rng(2).uniform(0.3, 1.0, FEW)
         for side, sign in enumerate((-1.0, 1.0)):
             moved = np.repeat(self.probes[None, :FEW], len(pairs), axis=0)
@@ -147,7 +156,7 @@ class Field:
                 moved[number, :, second] += sign * turn
             same = self._changes(moved) <= NEGLIGIBLE * self.scale
             for (first, second), rows in zip(pairs, same, strict=True):
-                table[:, first, second, side] = rows
+                table[:, first, second, side] = table[:, second, first, side] = rows
         return table
 
     def _changes(self, moved: Array) -> Array:

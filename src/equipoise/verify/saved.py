@@ -49,7 +49,10 @@ def reload(path: Path) -> mujoco.MjSpec:
     if not Path(path).is_file():
         raise InputError("there is no such model", where=str(path), hint="save the design first, or leave `model` out")
     with refusals(Path(path).name):
-        return mujoco.MjSpec.from_file(str(path))
+        spec = mujoco.MjSpec.from_file(str(path))
+    # Lengths of muscles, which the compiler would find by simulation, do not matter to statics.
+    spec.compiler.LRopt.mode = int(mujoco.mjtLRMode.mjLRMODE_NONE)
+    return spec
 
 
 def file_name(name: str) -> str:

@@ -74,7 +74,7 @@ class Axes:
         for joint in range(len(self)):
             # Three different positions of this joint, whatever the others do.
             stride = 3 ** (len(self) - 1 - joint)
-            inverse = np.linalg.inv(table[[0, stride, 2 * stride], joint])
+            inverse = np.asarray(np.linalg.inv(table[[0, stride, 2 * stride], joint]), dtype=np.float64)
             turned = _turn(turned, inverse[None, None])
         return turned[:, 0]
 
