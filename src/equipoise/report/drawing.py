@@ -12,7 +12,7 @@ from equipoise.affine import Array
 from equipoise.balancers.spring import Spring
 from equipoise.report import style
 from equipoise.report.glyphs import draw
-from equipoise.report.numbers import plain, quantity, sig
+from equipoise.report.numbers import plain, sig
 from equipoise.report.sample import Sample
 from equipoise.report.scene import Scene, scene
 from equipoise.report.view import View, is_planar, side
@@ -79,6 +79,9 @@ def posed(sample: Sample) -> list[Posed]:
         chosen.append((sample.calm(design.sweep.poses[other]), title))
     answer = sample.at(np.array([pose for pose, _ in chosen]))
     if answer is None:
+        # Loops may not close with the idle joints at rest; the sampled poses themselves do.
+        answer = sample.at(design.sweep.poses[[pose] if other is None else [pose, other]])
+    if answer is None:
         return []
     states, before, after = answer
     found = []
@@ -118,10 +121,11 @@ def _caption(sample: Sample, driven: Array, before: Array, after: Array) -> str:
     for joint in sample.matter[:LISTED]:
         name = sample.design.mechanism.driven[joint]
         unit = sample.design.before[name].unit
-        where = quantity(float(driven[joint]), "m" if sample.is_slide(joint) else "rad", 3)
+        position = float(sample.position(joint, driven[joint]))
+        where = f"{position:.0f} mm" if sample.is_slide(joint) else f"{position:.1f}°"
         floor = 1e-9 * sample.design.before[name].peak
         was, left = (sig(0.0 if abs(v) <= floor else float(v), 3) for v in (before[joint], after[joint]))
-        lines.append(f"{name} {where}: {was} → {left} {unit}")
+        lines.append(f"{name} at {where}: {was} → {left} {unit}".replace("-", "\u2212"))
     return "\n".join(lines)
 
 
@@ -152,7 +156,7 @@ def _furniture(ax: Axes) -> None:
     y = floor + 0.02 * (top - floor)
     ax.plot([low, low + length], [y, y], color=style.INK, lw=2.5, solid_capstyle="butt", clip_on=False)
     words = f"{plain(1e3 * length)} mm" if length < 1 else f"{plain(length)} m"
-    ax.annotate(words, (low + length / 2, y), xytext=(0, 4), textcoords="offset points", ha="center", fontsize=9)
+    ax.annotate(words, (low + length, y), xytext=(6, 0), textcoords="offset points", va="center", fontsize=9)
     arrow = {"arrowstyle": "-|>", "color": style.INK, "lw": 1.2, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", xy=(low, y), xytext=(0, 52), textcoords="offset points", arrowprops=arrow)
     ax.annotate("g", (low, y), xytext=(6, 40), textcoords="offset points", style="italic", fontsize=10)

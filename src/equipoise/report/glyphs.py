@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COILS = 9
+SHARES = tuple(i / 8 for i in range(9))
+"""Where a line is looked at to keep names off it."""
+
+REACH = 0.09
+"""How far a name's middle stands off its line, in sizes of the drawing."""
 
 
 def draw(ax: Axes, sample: Sample, scene: Scene, view: View) -> None:
@@ -38,9 +43,12 @@ def draw(ax: Axes, sample: Sample, scene: Scene, view: View) -> None:
     size = float(np.ptp(view.flat(scene.points), axis=0).max())
     solid = _trail(scene, view)
     for number, a, b in scene.springs:
-        _spring(ax, view.flat(a), view.flat(b), 0.014 * size, part_colour(number))
+        _spring(ax, view.flat(a), view.flat(b), 0.012 * size, part_colour(number))
         label = (sample.design.balancers[number].name, part_colour(number))
-        _label(ax, view.flat((a + b) / 2), view.flat(b - a), solid, label)
+        others = [
+            view.flat(c + share * (d - c)) for other, c, d in scene.springs if other != number for share in SHARES
+        ]
+        _label(ax, (view.flat(a), view.flat(b)), np.vstack([solid, *others]) / size, label, size)
     heaviest = max((mass for _, mass, _ in scene.weights), default=1.0)
     for number, mass, place in scene.weights:
         label = (f"{sample.design.balancers[number].name}, {plain(mass, 3)} kg", part_colour(number))
@@ -67,7 +75,7 @@ def coil(a: Array, b: Array, width: float) -> Array:
 
 
 def _spring(ax: Axes, a: Array, b: Array, width: float, colour: str) -> None:
-    line = coil(a, b, width)
+    line = coil(a, b, width + 0.025 * float(np.hypot(*(b - a))))
     ax.plot(*line.T, color="white", lw=3.6, zorder=5, solid_joinstyle="round")
     ax.plot(*line.T, color=colour, lw=1.7, zorder=5.1, solid_joinstyle="round")
     for end in (a, b):
@@ -76,20 +84,21 @@ def _spring(ax: Axes, a: Array, b: Array, width: float, colour: str) -> None:
 
 def _trail(scene: Scene, view: View) -> Array:
     """Points (P, 2) all along the links, which labels keep away from."""
-    share = np.linspace(0, 1, 9)[:, None]
+    share = np.array(SHARES)[:, None]
     lines = [a + share * (b - a) for a, b in [*scene.bars, *scene.struts]]
     return view.flat(np.vstack([*lines, scene.joints]))
 
 
-def _label(ax: Axes, middle: Array, along: Array, solid: Array, label: tuple[str, str]) -> None:
-    """A part's name beside its line, on the side that is farther from the links."""
-    across = np.array([-along[1], along[0]])
-    across = across / (float(np.hypot(*across)) or 1.0)
-    reach = 0.5 * float(np.hypot(*along)) + 1e-6
-    room = [float(np.hypot(*(solid - middle - side * reach * across).T).min()) for side in (1, -1)]
-    across = across if room[0] >= room[1] else -across
+def _label(ax: Axes, ends: tuple[Array, Array], solid: Array, label: tuple[str, str], size: float) -> None:
+    """A part's name beside its line, where the links (solid, in drawing sizes) leave most room."""
+    a, b = ends
+    along = b - a
+    across = np.array([-along[1], along[0]]) / (float(np.hypot(*along)) or 1.0)
+    places = [(a + share * along, side * across) for share in (0.5, 0.35, 0.65) for side in (1.0, -1.0)]
+    room = [float(np.hypot(*(solid - middle / size - REACH * side).T).min()) for middle, side in places]
+    middle, across = places[int(np.argmax(room))]
     ax.annotate(
-        label[0], middle, xytext=16 * across, textcoords="offset points", color=label[1], weight="bold",
+        label[0], _pair(middle), xytext=_pair(16 * across), textcoords="offset points", color=label[1], weight="bold",
         ha="left" if across[0] > 0.3 else "right" if across[0] < -0.3 else "center",
         va="bottom" if across[1] > 0.3 else "top" if across[1] < -0.3 else "center",
         path_effects=style.halo(), zorder=7,
@@ -109,12 +118,16 @@ def _weight(ax: Axes, place: Array, share: float, label: tuple[str, str]) -> Non
     size = 22.0 * math.sqrt(max(share, 0.0))
     ax.plot(*place, "o", ms=max(size, 5.0), mfc=label[1], mec="white", mew=1.2, zorder=5)
     ax.annotate(
-        label[0], place, xytext=(0, -max(size, 5.0) / 2 - 5), textcoords="offset points",
+        label[0], _pair(place), xytext=(0, -max(size, 5.0) / 2 - 5), textcoords="offset points",
         color=label[1], weight="bold", ha="center", va="top", path_effects=style.halo(), zorder=7,
     )  # fmt: skip
 
 
 def _note(ax: Axes, place: Array, text: str, colour: str) -> None:
     ax.annotate(
-        text, place, xytext=(9, 7), textcoords="offset points", color=colour, path_effects=style.halo(), zorder=7
+        text, _pair(place), xytext=(9, 7), textcoords="offset points", color=colour, path_effects=style.halo(), zorder=7
     )
+
+
+def _pair(place: Array) -> tuple[float, float]:
+    return float(place[0]), float(place[1])

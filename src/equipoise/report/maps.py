@@ -36,13 +36,12 @@ def residual_map(sample: Sample) -> Figure | None:
         return None
     made = style.figure(10.4, 4.5)
     axes = made.subplots(1, 2, sharey=True)
-    x, y = (sample.position(joint, np.linspace(*sample.box[joint], GRID)) for joint in pair)
+    x, y = (sample.position(joint, sample.ticks(joint, GRID)) for joint in pair)
     top = max(float(np.max(values[index])) for index, (_, values) in enumerate(found) if values is not None)
-    filled = None
     for index, (ax, word) in enumerate(zip(axes, ("before", "after"), strict=True)):
         pose, values = found[index]
         assert values is not None
-        filled = _filled(ax, x, y, values[index], top)
+        _filled(ax, x, y, values[index], top)
         worst = sample.design.sweep.poses[pose][list(pair)]
         ax.plot(*(sample.position(j, v) for j, v in zip(pair, worst, strict=True)), "X", ms=10, mfc=style.BEFORE,
                 mec="white", mew=1.3, clip_on=False, zorder=5)  # fmt: skip
@@ -52,7 +51,11 @@ def residual_map(sample: Sample) -> Figure | None:
             if not sample.is_slide(joint):
                 style.degree_ticks(axis, ticks[0], ticks[-1])
     axes[0].set_ylabel(sample.axis_label(pair[1]))
-    made.colorbar(filled, ax=axes, label=f"largest of the counted joints [{unit}]", shrink=0.92, pad=0.02)
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import BoundaryNorm
+
+    colours = ScalarMappable(BoundaryNorm(_levels(top), style.ramp().N), style.ramp())
+    made.colorbar(colours, ax=axes, label=f"largest of the counted joints [{unit}]", shrink=0.92, pad=0.02)
     return made
 
 
@@ -87,7 +90,7 @@ def _worst_pose(effort: Array, columns: list[int], count: int) -> int:
 
 def _grid(sample: Sample, pair: tuple[int, int], pose: Array, columns: list[int]) -> tuple[Array, Array] | None:
     """Worst |effort| (ny, nx) before and after over two joints; None where the loops do not close."""
-    ticks = [np.linspace(*sample.box[joint], GRID) for joint in pair]
+    ticks = [sample.ticks(joint, GRID) for joint in pair]
     poses = np.tile(pose, (GRID * GRID, 1))
     mesh = np.meshgrid(*ticks)
     for joint, values in zip(pair, mesh, strict=True):
@@ -99,18 +102,22 @@ def _grid(sample: Sample, pair: tuple[int, int], pose: Array, columns: list[int]
     return before, after
 
 
-def _filled(ax: Axes, x: Array, y: Array, values: Array, top: float):
+def _filled(ax: Axes, x: Array, y: Array, values: Array, top: float) -> None:
+    from matplotlib.colors import BoundaryNorm
+
+    levels, colours = _levels(top), style.ramp()
+    ax.contourf(x, y, values, levels, cmap=colours, norm=BoundaryNorm(levels, colours.N))
+    ax.contour(x, y, values, levels[1:-1], colors="white", linewidths=0.5, alpha=0.7)
+    ax.grid(visible=False)
+
+
+def _levels(top: float) -> Array:
     from matplotlib.ticker import MaxNLocator
 
-    levels = MaxNLocator(LEVELS).tick_values(0.0, max(top, 1e-12))
-    filled = ax.contourf(x, y, values, levels, cmap=style.ramp(), extend="neither")
-    lines = ax.contour(x, y, values, levels[1:-1], colors="white", linewidths=0.5, alpha=0.7)
-    lines.set_clip_on(True)
-    ax.grid(visible=False)
-    return filled
+    return np.asarray(MaxNLocator(LEVELS).tick_values(0.0, max(top, 1e-12)))
 
 
-def draw_map(
+def draw_map(  # noqa: PLR0917 - a map is its axes and its data
     ax: Axes,
     x: Array,
     y: Array,

@@ -47,9 +47,9 @@ def quantity(value: float, unit: str, digits: int = 4) -> str:
     return f"{plain(number, digits)} {name}".rstrip()
 
 
-def span(low: float, high: float, unit: str, digits: int = 3) -> str:
+def span(ends: Sequence[float], unit: str, digits: int = 3) -> str:
     """`150 to 448 mm`, or one value where both read the same."""
-    (a, name), (b, _) = shown(low, unit), shown(high, unit)
+    (a, name), (b, _) = shown(ends[0], unit), shown(ends[1], unit)
     size = max(abs(a), abs(b))
     # A range whose lower end is zero to working accuracy reads 0, not 3e-15.
     first, last = (plain(0.0 if abs(x) < 1e-9 * size else x, digits) for x in (a, b))

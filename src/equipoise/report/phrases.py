@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from math import isfinite
 from typing import Any
 
 from equipoise.design import Active, Design
@@ -12,6 +13,9 @@ from equipoise.report.numbers import place, plain, quantity, shown, sig, sort_ou
 
 STEPS = {"m": 0.01, "N": 10.0, "N/m": 100.0, "kg": 0.1, "kg m": 0.01, "rad": 0.0174532925, "N m": 1.0}
 """How far a limit is relaxed when its price is put into words, SI."""
+
+BOUND = re.compile(r"([<>]=) *(-?[\d.]+(?:e[+-]?\d+)?)")
+"""The side and value at the end of a limit's name."""
 
 PARAMETERS = {
     "k": ("k", "N/m"),
@@ -22,6 +26,9 @@ PARAMETERS = {
     "k_free_length": ("k x free length", "N"),
     "force": ("force", "N"),
 }
+
+SOUND = "nothing to remark: masses and inertias are possible"
+"""What the mass audit says of a sound file."""
 
 KINDS = {
     "exact": "Exact: nothing is left at any pose, also at poses outside the sweep, to rounding.",
@@ -37,7 +44,7 @@ def headline(design: Design) -> str:
     """Robot, joints, mass and what was swept, in one line."""
     mechanism = design.mechanism
     count = len(mechanism.driven)
-    found = f"; {design.refined} more poses found between them" if design.refined else ""
+    found = f"; {design.refined} more pose{'s' * (design.refined != 1)} found between them" if design.refined else ""
     return (
         f"{mechanism.name or 'mechanism'}, {count} driven joint{'s' * (count != 1)}, {plain(mechanism.mass)} kg; "
         f"{design.sweep.describe()}{found}"
@@ -77,7 +84,16 @@ def law_words(part: Mapping[str, Any], balancer: Any) -> str:
     """`zero free length, k = 1684 N/m`."""
     law = tag(type(balancer.law)).replace("_", " ")
     name = {"constant": "constant force", "linear": "straight force line"}.get(law, law)
-    return ", ".join([name, *parameter_words(part["parameters"])])
+    # A rate whose force is below rounding beside the rest is the solver's way to say none.
+    least = 1e-9 * max(abs(force) for force in part["force"]) / max(part["length"][1], 1e-9)
+    parameters = {key: 0.0 if key == "k" and abs(k) <= least else k for key, k in part["parameters"].items()}
+    return ", ".join([name, *parameter_words(parameters)])
+
+
+def weight_words(part: Mapping[str, Any], design: Design) -> str:
+    """`counterweight, 2.6 kg`; a mass at rounding level is none."""
+    wanted = part["mass"] > 1e-9 * design.mechanism.mass
+    return f"counterweight, {plain(part['mass'])} kg" if wanted else "counterweight, 0 kg: it does not help here"
 
 
 def parameter_words(parameters: Mapping[str, float]) -> list[str]:
@@ -103,9 +119,15 @@ def work_words(part: Mapping[str, Any]) -> str:
     mass = f", own mass {quantity(part['mass'], 'kg', 3)}" if part.get("mass") else ""
     slack = "; it pushes where the force is negative" if part["force"][0] < -1e-9 * part["force"][1] else ""
     return (
-        f"length {span(*part['length'], 'm')} (stroke {quantity(part['stroke'], 'm', 3)}), "
-        f"force {span(*part['force'], 'N')}, energy up to {quantity(max(part['energy']), 'J', 3)}{mass}{slack}"
+        f"length {span(part['length'], 'm')} (stroke {quantity(part['stroke'], 'm', 3)}), "
+        f"force {span(part['force'], 'N')}, {energy_words(part)}{mass}{slack}"
     )
+
+
+def energy_words(part: Mapping[str, Any]) -> str:
+    """How much a spring stores at most, or by how much its energy varies where it has no natural zero."""
+    low, high = part["energy"]
+    return f"energy up to {quantity(high, 'J', 3)}" if low >= 0 else f"energy varies by {quantity(high - low, 'J', 3)}"
 
 
 def goal_word(design: Design) -> str:
@@ -118,8 +140,8 @@ def price_words(active: Active, design: Design) -> str:
     """`stroke of s1 <= 380 mm: 10 mm more would lower the peak by 0.4 N m`."""
     gained, _, per = active.unit.rpartition(" per ")
     limit = limit_words(active.limit)
-    bound = re.search(r"([<>]=) *(-?[\d.]+(?:e[+-]?\d+)?)", active.limit)
-    if bound and bound[1] == ">=" and float(bound[2]) == 0 and not active.limit.startswith(("slack", "force")):
+    bound = BOUND.search(active.limit)
+    if is_natural(active):
         return f"{limit}, the bound that nature sets"
     if not gained:
         return f"{limit} (price {sig(active.price, 3)} {active.unit})"
@@ -131,6 +153,13 @@ def price_words(active: Active, design: Design) -> str:
     move = {"<=": f"{amount} more", ">=": f"{amount} less"}.get(bound[1] if bound else "", f"relaxing it by {amount}")
     gain = sig(shown(step * active.price, gained)[0], 2)
     return f"{limit}: {move} would lower {goal_word(design)} by {gain} {shown(0.0, gained)[1]}"
+
+
+def is_natural(active: Active) -> bool:
+    """Whether nature sets the bound: a rate or a mass cannot be negative."""
+    bound = BOUND.search(active.limit)
+    user = active.limit.startswith(("slack", "force", "length", "stiffness"))
+    return bool(bound and bound[1] == ">=" and float(bound[2]) == 0 and not user)
 
 
 def limit_words(limit: str) -> str:
@@ -150,6 +179,18 @@ def floor_words(design: Design) -> list[str]:
         kind = "torque" if row.unit == "N m" else "force"
         words.append(f"{joint}'s own {kind} ({sig(row.peak)} {row.unit}), which no added part reaches")
     return words
+
+
+def objective_words(design: Design) -> str:
+    """`the peak over all driven joints`, with weights, caps and divisors where there are any."""
+    words = []
+    for aim in design.objective:
+        what = f"the {aim.norm} over {', '.join(aim.joints) if aim.joints else 'all driven joints'}"
+        what += ", each as a share of its motor limit" if aim.divisor else ""
+        number, unit = shown(aim.cap or 0.0, aim.unit(design.mechanism))
+        weight = "" if aim.weight == 1 else f"{plain(aim.weight)} x "
+        words.append(f"{what}, kept below {plain(number)} {unit}" if aim.cap is not None else f"{weight}{what}")
+    return "; ".join(words)
 
 
 def limited_by(design: Design) -> list[str]:
@@ -188,8 +229,8 @@ def next_steps(design: Design) -> list[str]:
     bounds = [active.limit for active in c.active if active.limit.split(" ")[0] in design.geometry]
     if bounds:
         steps.append(f"widen the bound {limit_words(bounds[0])} if there is room")
-    elif c.active:
-        steps.append(f"relax {limit_words(c.active[0].limit)}: it costs most")
+    elif dear := [active for active in c.active if not is_natural(active)]:
+        steps.append(f"relax {limit_words(dear[0].limit)}: it costs most")
     if not design.geometry and c.kind == "convex" and not c.floors:
         steps.append("free the attachment points (`shape` in the problem file)")
     if c.kind == "local" and c.optima > 1:
@@ -201,17 +242,23 @@ def next_steps(design: Design) -> list[str]:
 
 def verified_words(design: Design) -> str:
     """Engine, poses, agreement and the bound between the samples; what is missing where nothing was verified."""
-    if design.verification is None:
+    found = design.verification
+    if found is None:
         return "not yet: `equipoise verify` simulates the design at poses it never saw"
-    data = design.verification.json()
-    unit = data.get("unit", "N m")
-    error = data.get("max_abs_error")
-    agree = f": agrees to {sig(error, 2)} {unit}" if isinstance(error, int | float) else ""
-    poses = data.get("poses")
-    count = f"{poses:,}".replace(",", " ") if isinstance(poses, int) else "other"
-    passed = data.get("agrees", data.get("passed", True))
-    verdict = "" if passed else "  DISAGREES"
-    return f"{data.get('engine', 'MuJoCo')}, {count} poses the design never saw, saved file reloaded{agree}{verdict}"
+    error = sig(found.max_abs_error, 2)
+    verdict = f"agrees to {error} {found.unit}" if found.agrees else f"DISAGREES by {error} {found.unit}"
+    poses = f"{found.poses:,}".replace(",", " ")
+    words = f"{found.engine}, {poses} unseen poses, saved file reloaded: {verdict}"
+    return "; ".join([words, *filter(None, [between_words(design, main_joint(design))])])
+
+
+def between_words(design: Design, joint: str) -> str:
+    """`between the samples at most 34.3 N m at elbow_joint`, or nothing where no bound is known."""
+    bound = design.verification.bounds.get(joint) if design.verification else None
+    if bound is None or not isfinite(bound.upper):
+        return ""
+    sure = "at most" if bound.rigorous else "estimated at most"
+    return f"between the samples {sure} {sig(bound.upper)} {bound.unit} at {joint}"
 
 
 def unloaded_words(design: Design) -> str:

@@ -106,8 +106,12 @@ class Sample:
     def line(self, joint: int, pose: Array, count: int = FINE) -> Array:
         """Poses (count, nd) along one joint's range, the others as in `pose`."""
         poses = np.tile(pose, (count, 1))
-        poses[:, joint] = np.linspace(*self.box[joint], count)
+        poses[:, joint] = self.ticks(joint, count)
         return poses
+
+    def ticks(self, joint: int, count: int) -> Array:
+        """`count` positions (count,) over a joint's range, rad or m."""
+        return np.linspace(float(self.box[joint, 0]), float(self.box[joint, 1]), count)
 
     def moves(self, joint: int) -> bool:
         """Whether the sweep moves a joint."""

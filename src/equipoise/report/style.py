@@ -66,7 +66,7 @@ def styled() -> Iterator[None]:
     """The pictures' settings, without touching those of the caller's own plots."""
     import matplotlib as mpl
 
-    with mpl.rc_context(SETTINGS):
+    with mpl.rc_context(SETTINGS):  # pyright: ignore[reportArgumentType]
         yield
 
 
@@ -77,6 +77,9 @@ def figure(width: float, height: float) -> Figure:
 
     made = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(made)
+    engine = made.get_layout_engine()
+    if engine is not None:
+        engine.set(h_pad=0.1, hspace=0.04)  # pyright: ignore[reportCallIssue]
     return made
 
 
@@ -84,7 +87,9 @@ def picture(figure: Figure) -> str:
     """A figure as a data address that an <img> shows without a network: SVG, sharp at any size."""
     stream = io.BytesIO()
     with styled():
-        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+        figure.savefig(
+            stream, format="svg", bbox_inches="tight", pad_inches=0.06, metadata={"Date": None, "Creator": None}
+        )
     return "data:image/svg+xml;base64," + base64.b64encode(stream.getvalue()).decode()
 
 
@@ -108,7 +113,7 @@ def degree_ticks(axis: Any, low: float, high: float) -> None:
 
     span = high - low
     for step in (5, 10, 15, 30, 45, 60, 90, 180):
-        if span / step <= 8:
+        if span / step <= 8.01:
             axis.set_major_locator(MultipleLocator(step))
             return
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from equipoise.affine import Array
 from equipoise.design import Design
 from equipoise.states import States
 
-AZIMUTH = np.radians(38.0)
-ELEVATION = np.radians(24.0)
+AZIMUTH = math.radians(38.0)
+ELEVATION = math.radians(24.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,10 +30,10 @@ class View:
 
     def corner(self) -> View:
         """The same scene seen from the side and from above."""
-        turned = np.cos(AZIMUTH) * self.right - np.sin(AZIMUTH) * self.toward
-        toward = np.cos(AZIMUTH) * self.toward + np.sin(AZIMUTH) * self.right
-        up = np.cos(ELEVATION) * self.up - np.sin(ELEVATION) * toward
-        return View(turned, up, np.cos(ELEVATION) * toward + np.sin(ELEVATION) * self.up)
+        turned = math.cos(AZIMUTH) * self.right - math.sin(AZIMUTH) * self.toward
+        toward = math.cos(AZIMUTH) * self.toward + math.sin(AZIMUTH) * self.right
+        up = math.cos(ELEVATION) * self.up - math.sin(ELEVATION) * toward
+        return View(turned, up, math.cos(ELEVATION) * toward + math.sin(ELEVATION) * self.up)
 
 
 def side(design: Design, states: States, row: int, joint: int) -> View:
@@ -40,7 +42,7 @@ def side(design: Design, states: States, row: int, joint: int) -> View:
     number = int(design.mechanism.driven_ids[joint])
     axis = states.kin.xmat[row, model.jnt_bodyid[number]] @ model.jnt_axis[number]
     up = up_of(design)
-    if model.jnt_type[number] == 2:
+    if model.jnt_type[number] == mujoco.mjtJoint.mjJNT_SLIDE:
         axis = np.cross(axis, up)
     level = axis - (axis @ up) * up
     if np.linalg.norm(level) < 1e-3:
@@ -48,8 +50,8 @@ def side(design: Design, states: States, row: int, joint: int) -> View:
         level = np.array([0.0, -1.0, 0.0]) - up * -up[1]
     if np.linalg.norm(level) < 1e-3:
         level = np.array([1.0, 0.0, 0.0])
-    toward = level / np.linalg.norm(level)
-    right = np.cross(up, toward)
+    toward = np.asarray(level / np.linalg.norm(level), dtype=float)
+    right = np.asarray(np.cross(up, toward), dtype=float)
     if right[np.abs(right).argmax()] < 0:
         right, toward = -right, -toward
     return View(right, up, toward)

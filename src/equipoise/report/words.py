@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from equipoise.design import Design, Row
 from equipoise.report import phrases
-from equipoise.report.numbers import percent, place, plain, sig, sort_out
+from equipoise.report.numbers import percent, plain, sig, sort_out
 
 if TYPE_CHECKING:
     from equipoise.verbs.analyze import Analysis
@@ -25,7 +25,7 @@ def summary(design: Design) -> str:
     left_out = phrases.unloaded_words(design)
     lines += _wrap(left_out, "  ") if left_out else []
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
-        lines += _part(part, balancer)
+        lines += _part(part, balancer, design)
     for words in phrases.limited_by(design):
         lines += _labelled("limited by", words)
     if design.missed:
@@ -45,7 +45,7 @@ def analysis(analysis: Analysis) -> str:
     lines = _wrap(
         f"{mechanism.name}, {count} driven joint{'s' * (count != 1)}, {plain(mechanism.mass)} kg; {sweep}", ""
     )
-    for remark in mechanism.remarks or ("nothing to remark: masses and inertias are possible",):
+    for remark in mechanism.remarks or (phrases.SOUND,):
         lines += _labelled("mass audit", remark)
     loaded = [joint for joint, row in analysis.rows.items() if joint not in sort_out(analysis.rows)[2]]
     if loaded:
@@ -115,7 +115,7 @@ def _table(
     return lines
 
 
-def _part(part: Mapping, balancer: object) -> list[str]:  # type: ignore[type-arg]
+def _part(part: Mapping[str, Any], balancer: object, design: Design) -> list[str]:
     if part["kind"] == "spring":
         name = f"spring {part['name']}"
         return [
@@ -123,8 +123,8 @@ def _part(part: Mapping, balancer: object) -> list[str]:  # type: ignore[type-ar
             *_labelled("", phrases.where_words(part)),
             *_labelled("", phrases.work_words(part)),
         ]
-    end = part["ends"][0]
-    return _labelled(f"weight {part['name']}", f"counterweight, {plain(part['mass'])} kg at {end['body']} {place(end)}")
+    name = f"weight {part['name']}"
+    return [*_labelled(name, phrases.weight_words(part, design)), *_labelled("", f"at {phrases.where_words(part)}")]
 
 
 def _labelled(label: str, text: str) -> list[str]:

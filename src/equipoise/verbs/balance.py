@@ -19,7 +19,7 @@ from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.verbs.analyze import Evaluate, table, worst
+from equipoise.verbs.analyze import table, worst
 
 EXACT = 1e-9
 ROUNDS = 12
@@ -142,12 +142,22 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
     saving = lean.terms[0]
     term = replace(saving, b=saving.residual(theta), A=saving.A @ directions.T)
     rows = [replace(r, G=r.G @ directions.T, h=r.h - r.G @ theta, unknowns=moves) for r in lean.rows if not r.equality]
-    for unknown, bound, sign in [(u, u.lower, -1.0) for u in lean.unknowns] + [(u, u.upper, 1.0) for u in lean.unknowns]:
+    for unknown, bound, sign in [(u, u.lower, -1.0) for u in lean.unknowns] + [
+        (u, u.upper, 1.0) for u in lean.unknowns
+    ]:
         if np.isfinite(bound):
             index = lean.unknowns.index(unknown)
             limit = sign * (bound - theta[index])
-            rows.append(Rows(unknown.name, unknown.unit, sign * directions[:, index][None], np.array([limit]), moves,
-                             scale=max(abs(theta[index]), abs(bound), 1e-9)))
+            rows.append(
+                Rows(
+                    unknown.name,
+                    unknown.unit,
+                    sign * directions[:, index][None],
+                    np.array([limit]),
+                    moves,
+                    scale=max(abs(theta[index]), abs(bound), 1e-9),
+                )
+            )
     return theta + solve(Program(moves, (term,), tuple(rows))).theta @ directions
 
 

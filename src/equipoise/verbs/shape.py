@@ -156,7 +156,9 @@ def _distinct(found: list[Local], freedoms: Sequence[Freedom], count: int) -> li
     chosen: list[Local] = []
     for local in found:
         near = any(
-            all(abs(a - b) <= 1e-2 * (f.upper - f.lower) for a, b, f in zip(local.gamma, o.gamma, freedoms, strict=True))
+            all(
+                abs(a - b) <= 1e-2 * (f.upper - f.lower) for a, b, f in zip(local.gamma, o.gamma, freedoms, strict=True)
+            )
             for o in chosen
         )
         if not near:

@@ -1,0 +1,68 @@
+"""One HTML file that holds everything: no network, no scripts, pictures inside."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+from equipoise import __version__
+from equipoise.balancers.spring import Spring
+from equipoise.design import Design
+from equipoise.report import phrases, sections, tables
+from equipoise.report.markup import Raw, element, image, join, section
+from equipoise.report.plots import Picture, pictures
+
+
+def page(design: Design, model: str) -> str:
+    """The report as HTML text; model is the name of the MJCF file that lies beside it."""
+    drawn = pictures(design)
+    body = join(
+        [
+            _header(design),
+            sections.tiles(design),
+            *[_picture(one) for one in drawn[:1]],
+            tables.before_after(design),
+            *[_picture(one) for one in drawn[1:]],
+            tables.parts(design),
+            sections.certificate(design),
+            tables.verification(design),
+            sections.basis(design),
+            sections.honest_limits(),
+            sections.files(design, model),
+            sections.literature(design),
+            element(
+                "footer", f"Made by equipoise {__version__}. Torques are what the motors must supply to hold still."
+            ),
+        ],
+        "\n",
+    )
+    title = element("title", f"{design.mechanism.name} balanced")
+    style = Raw((files("equipoise") / "report" / "page.css").read_text(encoding="utf-8"))
+    head = join(
+        [
+            Raw('<meta charset="utf-8">'),
+            Raw('<meta name="viewport" content="width=device-width, initial-scale=1">'),
+            title,
+            Raw(f"<style>\n{style}</style>"),
+        ],
+        "\n",
+    )
+    whole = element("html", element("head", head), element("body", element("main", body)), lang="en")
+    return f"<!doctype html>\n{whole}\n"
+
+
+def _header(design: Design) -> Raw:
+    springs = sum(isinstance(balancer, Spring) for balancer in design.balancers)
+    weights = len(design.balancers) - springs
+    counts = ((springs, "spring"), (weights, "counterweight"))
+    added = " and ".join(f"{count} {word}{'s' * (count > 1)}" for count, word in counts if count)
+    return element(
+        "header",
+        element("p", "Static balance report", class_="kicker"),
+        element("h1", f"{design.mechanism.name}, balanced with {added}"),
+        element("p", phrases.result(design), class_="result"),
+        element("p", phrases.headline(design), class_="sub-line"),
+    )
+
+
+def _picture(picture: Picture) -> Raw:
+    return section(picture.title, image(picture.address, picture.alternative, picture.caption))

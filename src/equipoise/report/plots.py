@@ -1,0 +1,74 @@
+"""All pictures of a design, in the order in which the report shows them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from equipoise.design import Design
+from equipoise.report import style
+from equipoise.report.curves import curves
+from equipoise.report.drawing import drawing
+from equipoise.report.ledger import ledger
+from equipoise.report.maps import draw_map, residual_map
+from equipoise.report.sample import Sample
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture as a data address, with its title, what it shows, and how to read it."""
+
+    title: str
+    address: str
+    alternative: str
+    caption: str
+
+
+def pictures(design: Design) -> list[Picture]:
+    """Every picture that this design has something to show in."""
+    sample = Sample(design)
+    name = design.mechanism.name
+    wanted: list[tuple[str, Callable[[Sample], Figure | None], str, str]] = [
+        (
+            "The mechanism with its parts",
+            drawing,
+            f"{name} with its springs and counterweights in two poses",
+            "Skeleton from joint to joint; filled dots are driven joints. Below each title: joint position, holding "
+            "effort before → after. Joints without load are drawn at their reference.",
+        ),
+        (
+            "Along the joints, and over the sweep",
+            curves,
+            f"holding effort of {name} before and after, joint by joint",
+            "Left: along one joint, the others where the joint's worst sample has them; with several payloads a band, "
+            "its strong edge the upper one. Right: the magnitude that a share of the sweep exceeds.",
+        ),
+        (
+            "Where the load is",
+            residual_map,
+            f"largest holding effort of {name} over two joints, before and after",
+            "The largest magnitude among the counted joints (and payloads) over the two joints that change it most; "
+            "the cross marks the worst sample, where the other joints are held.",
+        ),
+        (
+            "Energy ledger",
+            ledger,
+            f"energy of gravity, of each part and their sum along a joint of {name}",
+            "Each curve counts from its own least value; a motor holds the slope of the total, so a level total needs "
+            "no motor. The other joints stay at the worst sample, with its payload.",
+        ),
+    ]
+    made = []
+    for title, draw, alternative, caption in wanted:
+        with style.styled():
+            figure = draw(sample)
+        if figure is not None:
+            made.append(Picture(title, style.picture(figure), alternative, caption))
+    return made
+
+
+__all__ = ["Picture", "curves", "draw_map", "drawing", "ledger", "pictures", "residual_map"]

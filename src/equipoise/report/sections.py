@@ -1,0 +1,148 @@
+"""The parts of the HTML page that are mostly words: headline figures, certificate, question, limits, literature."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from equipoise.design import Design
+from equipoise.report import phrases
+from equipoise.report.jsonfile import strict
+from equipoise.report.markup import Raw, element, join, listing, prose, section, table
+from equipoise.report.numbers import plain, shown, sig
+from equipoise.report.references import reference
+from equipoise.report.tables import value_words
+
+FIXED = "\u00a0"
+"""A space that does not break: a number stays with its unit."""
+
+HONEST = (
+    "Links are rigid; the answer is quasi-static: every pose is held still, nothing accelerates.",
+    "Friction and hysteresis come on top of the residual shown; they are not designed away.",
+    "A robot file is only as good as its masses: weigh the heaviest link before buying springs.",
+    "A heavy spring's own mass is lumped half at each end, which is exact for a spring of zero free length.",
+    "Nothing here checks that a spring clears the links: look at the drawing, then at the assembly.",
+)
+
+
+def tiles(design: Design) -> Raw:
+    """Four numbers to take away."""
+    joint = phrases.main_joint(design)
+    before, after = design.before[joint], design.after[joint]
+    norm = design.norm
+    was, left = getattr(before, norm), getattr(after, norm)
+    change = f"{sig(was, 3)} → {sig(left, 2 if left < 1e-9 * was else 3)} {after.unit}"
+    boxes = [(change, f"{norm} holding effort at {joint}", "")]
+    c = design.certificate
+    sure = "nothing left, also off the sweep" if c.kind == "exact" else f"gap {value_words(c.gap, c.unit, 2)}"
+    boxes += [(c.kind, f"certificate: {sure}", ""), *_checked(design, joint)]
+    made = [
+        element("div", element("b", big.replace(" ", FIXED)), element("span", words), class_=f"tile{bad}")
+        for big, words, bad in boxes
+    ]
+    return element("div", *made, class_="tiles")
+
+
+def _checked(design: Design, joint: str) -> list[tuple[str, str, str]]:
+    found = design.verification
+    if found is None:
+        return [("not verified", "no simulation has confirmed this yet", " bad")]
+    verdict = "agrees" if found.agrees else "disagrees"
+    poses = f"{found.poses:,}".replace(",", FIXED)
+    words = f"largest difference from {found.engine} at {poses} unseen poses: it {verdict}"
+    boxes = [(f"{sig(found.max_abs_error, 2)} {found.unit}", words, "" if found.agrees else " bad")]
+    bound = found.bounds.get(joint)
+    if bound is not None and math.isfinite(bound.upper):
+        kind = "no pose between the samples exceeds it" if bound.rigorous else "estimated maximum between the samples"
+        boxes.append((f"{sig(bound.upper)} {bound.unit}", f"{kind} ({joint})", ""))
+    return boxes
+
+
+def certificate(design: Design) -> Raw:
+    """How good the answer is, what holds it where it is, and what to try."""
+    c = design.certificate
+    value, unit = shown(c.primal, c.unit)
+    here = " at this geometry" if design.geometry else ""
+    rows = [
+        [f"reached ({phrases.goal_word(design)})", f"{sig(value, 6)} {unit}"],
+        [f"nothing below this is possible{here}", value_words(c.dual, c.unit, 6)],
+        ["gap", value_words(c.gap, c.unit, 2)],
+        ["largest violation of a limit, relative", sig(c.violation, 2)],
+    ]
+    if design.geometry:
+        rows += [
+            ["starts", str(c.starts)],
+            ["different optima", str(c.optima)],
+            ["their values lie apart by", value_words(c.spread, c.unit, 3)],
+        ]
+    held = phrases.limited_by(design)
+    steps = phrases.next_steps(design)
+    return section(
+        "How good it is",
+        table(["certificate", ""], rows, numbers=1, kind="facts"),
+        element("p", f"Free: {'; '.join(c.flat)}.") if c.flat else "",
+        join([element("h3", "Limited by"), listing(held)]) if held else "",
+        element("p", f"Missed: {design.missed}.", class_="warning") if design.missed else "",
+        join([element("h3", "To try next"), listing(map(prose, steps))]) if steps else "",
+        lead=phrases.KINDS[c.kind],
+    )
+
+
+def basis(design: Design) -> Raw:
+    """What was swept, from which file, with which seed, and what the mass audit says."""
+    mechanism = design.mechanism
+    gravity = ", ".join(plain(value) for value in mechanism.gravity)
+    rows = [
+        ["mechanism", f"{mechanism.name}, {plain(mechanism.mass)} kg, driven: {', '.join(mechanism.driven)}"],
+        ["gravity", f"({gravity}) m/s²"],
+        ["sweep", design.sweep.describe()],
+        ["made small", phrases.objective_words(design)],
+    ]
+    rows += [["poses added between the samples", str(design.refined)]] if design.refined else []
+    rows += [["seed of the search", str(design.seed)]] if design.geometry else []
+    remarks = mechanism.remarks or (phrases.SOUND,)
+    problem = element(
+        "details",
+        element("summary", "The problem as it was posed"),
+        element("pre", json.dumps(strict(design.problem), indent=2, ensure_ascii=False)),
+    )
+    return section(
+        "What was asked",
+        table(["", ""], rows, numbers=2),
+        element("h3", "Mass audit"),
+        listing(remarks),
+        problem if design.problem else "",
+    )
+
+
+def files(design: Design, model: str) -> Raw:
+    """What lies beside the page and how to open it."""
+    names = ", ".join(balancer.name for balancer in design.balancers)
+    opened = [
+        element("code", model),
+        f": the mechanism with its parts ({names}) for MuJoCo; springs are tendons, counterweights bodies. ",
+        "Open it with ",
+        element("code", f"python -m mujoco.viewer --mjcf={model}"),
+        " (needs the package mujoco), or drop it into MuJoCo's simulate.",
+    ]
+    table = ": each pose with the effort before and after; it can be read back as a sweep of poses."
+    return section(
+        "Files beside this page",
+        listing(
+            [
+                join(opened),
+                join([element("code", "design.json"), ": every number on this page, in SI units."]),
+                join([element("code", "residuals.csv"), table]),
+            ]
+        ),
+    )
+
+
+def honest_limits() -> Raw:
+    """What the numbers leave out."""
+    return section("What this does not cover", listing(HONEST))
+
+
+def literature(design: Design) -> Raw:
+    """Whom to cite, in full."""
+    return section("What to cite", listing([reference(key) for key in design.cite()]))
