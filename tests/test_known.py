@@ -125,19 +125,28 @@ def test_four_parameters_no_worse_than_differential_evolution():
 
     long_run = differential_evolution(cost, bounds, seed=1, maxiter=800, popsize=20, tol=1e-10, polish=False)
     names = ("s1.law.k", "s1.path.line.0.x", "s1.path.line.0.z", "s1.path.line.1.x")
-    design = eq.shape(arm, [link_spring(WIRE)], degrees(arm, 120, 180), dict(zip(names, bounds, strict=True)), norm="peak")
+    design = eq.shape(
+        arm, [link_spring(WIRE)], degrees(arm, 120, 180), dict(zip(names, bounds, strict=True)), norm="peak"
+    )
     assert design.certificate.primal <= long_run.fun * (1 + 1e-6)
     torque, length = link_torque([design.geometry[name] for name in names], angles)
     assert np.abs(torque).max() == pytest.approx(design.certificate.primal, rel=1e-9)
     assert length.min() >= 0.3 - 1e-6
-    assert [active.limit for active in design.certificate.active] == ["s1.path.line.0.z <= 0.3 m", "s1.path.line.1.x <= 0.35 m"]
+    assert [active.limit for active in design.certificate.active] == [
+        "s1.path.line.0.z <= 0.3 m",
+        "s1.path.line.1.x <= 0.35 m",
+    ]
 
 
 def test_three_parameters_of_the_weightless_table():
     """psi = 0, l0 = 0.3: RMS .235454, peak .601611 at k = 301.382, X_B = -.00722559, Y_B and r at their bounds."""
     arm = link()
-    free = {"s1.law.k": (100, 3000), "s1.path.line.0.x": (-0.15, 0.15), "s1.path.line.0.z": (0.05, 0.30),
-            "s1.path.line.1.x": (0.10, 0.35)}
+    free = {
+        "s1.law.k": (100, 3000),
+        "s1.path.line.0.x": (-0.15, 0.15),
+        "s1.path.line.0.z": (0.05, 0.30),
+        "s1.path.line.1.x": (0.10, 0.35),
+    }
     design = eq.shape(arm, [link_spring(WIRE)], degrees(arm, 120, 180), free, norm="rms")
     assert design.certificate.primal == pytest.approx(0.235454, abs=1e-6)
     assert design.after["link_joint"].sample_peak == pytest.approx(0.601611, abs=1e-5)

@@ -56,9 +56,12 @@ def test_gravity_torque(pair):
     mechanism, states, model = pair
     data = model.createData()
     transmission = columns(states, model)
-    theirs = np.array([
-        pin.computeGeneralizedGravity(model, data, q) @ D for q, D in zip(postures(states, model), transmission, strict=True)
-    ])
+    theirs = np.array(
+        [
+            pin.computeGeneralizedGravity(model, data, q) @ D
+            for q, D in zip(postures(states, model), transmission, strict=True)
+        ]
+    )
     np.testing.assert_allclose(states.holding, theirs, atol=1e-9 * np.abs(theirs).max())
     assert mechanism.mass == pytest.approx(sum(part.mass for part in model.inertias), rel=1e-9)
 
@@ -92,7 +95,11 @@ def test_four_bar_closure_and_torque():
     model.gravity.linear = bar.gravity
     # The hinge axis is (0, -1, 0), as in every planar builder.
     hinge = lambda: pin.JointModelRevoluteUnaligned(np.array([0.0, -1.0, 0.0]))  # noqa: E731
-    parents = {"crank": (0, np.zeros(3)), "coupler": (1, np.array([crank, 0, 0])), "rocker": (0, np.array([ground, 0, 0]))}
+    parents = {
+        "crank": (0, np.zeros(3)),
+        "coupler": (1, np.array([crank, 0, 0])),
+        "rocker": (0, np.array([ground, 0, 0])),
+    }
     for (name, (parent, at)), mass, com in zip(parents.items(), masses, coms, strict=True):
         joint = model.addJoint(parent, hinge(), pin.SE3(np.eye(3), at), name)
         inertia = pin.Inertia(mass, np.array([com[0], 0.0, com[1]]), 1e-3 * np.eye(3))

@@ -46,6 +46,9 @@ _HOME = {
     "shape": "verbs.shape",
     "verify": "verbs.verify",
     "report": "verbs.report",
+    "geometry_map": "verbs.geometry_map",
+    "Problem": "problem",
+    "load_problem": "problem",
     "EquipoiseError": "errors",
     "InputError": "errors",
     "ModelError": "errors",
@@ -93,10 +96,12 @@ if TYPE_CHECKING:
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.slider_crank import slider_crank
     from equipoise.objective import Aim
+    from equipoise.problem import Problem, load_problem
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
     from equipoise.verbs.shape import shape
     from equipoise.verbs.verify import verify

@@ -129,7 +129,9 @@ class Design:
         for aim in self.objective:
             if aim.target is not None:
                 joints = aim.counted(self.mechanism)
-                reached = max(getattr(self.after[joint], aim.norm) for joint in joints)
+                rows = np.array([getattr(self.after[joint], aim.norm) for joint in joints])
+                scaled = rows * aim.scales(self.mechanism)
+                reached = {"peak": scaled.max(), "rms": np.linalg.norm(scaled), "mean": scaled.sum()}[aim.norm]
                 if reached > aim.target:
                     unit = aim.unit(self.mechanism)
                     return f"the {aim.norm} is {reached:.4g} {unit}, the target {aim.target:.4g} {unit}"

@@ -11,6 +11,7 @@ from equipoise.affine import Affine, Array
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism
 from equipoise.solve.program import NORMS, Norm, Term
+from equipoise.units import Effort, Number
 
 GOALS = ("hold",)
 
@@ -27,11 +28,11 @@ class Aim:
 
     goal: str = "hold"
     norm: Norm = "rms"
-    weight: float = 1.0
-    cap: float | None = None
+    weight: Number = 1.0
+    cap: Effort | None = None
     joints: tuple[str, ...] | None = None
     divisor: str | None = None
-    target: float | None = None
+    target: Effort | None = None
 
     def __post_init__(self) -> None:
         if self.goal not in GOALS:

@@ -45,9 +45,7 @@ def polish(evaluate: Callable[[Array], Array], poses: Array, magnitude: Array, b
     return Peaks(sample, value[best], points[best])
 
 
-def _climb(
-    evaluate: Callable[[Array], Array], x: Array, row: Array, f: Array, box: Array
-) -> tuple[Array, Array]:
+def _climb(evaluate: Callable[[Array], Array], x: Array, row: Array, f: Array, box: Array) -> tuple[Array, Array]:
     swept = np.flatnonzero(box[:, 1] > box[:, 0])
     span = (box[:, 1] - box[:, 0])[swept]
     step = np.full(len(x), 0.02)

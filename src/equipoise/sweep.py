@@ -15,9 +15,11 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism, Point
-from equipoise.units import Length, Mass, to_si
+from equipoise.units import Joint, Length, Mass, Number, to_si
 
 MAX_POSES = 5_000_000
+RESULTS = ("before ", "after ", "payload ")
+"""Heads of columns that a report's residuals.csv holds beside the poses."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Sweep:
         n: int = 2048,
         *,
         seed: int = 0,
-        ranges: Mapping[str, Sequence[float]] | None = None,
+        ranges: Mapping[str, Sequence[Joint]] | None = None,
         payload: Sequence[Payload] = (),
     ) -> Sweep:
         """n scrambled Sobol poses over the joint limits, or over `ranges` {joint: (low, high)} where given."""
@@ -96,7 +98,7 @@ class Sweep:
     @staticmethod
     def grid(
         mechanism: Mechanism,
-        axes: Mapping[str, Sequence[float]],
+        axes: Mapping[str, Sequence[Joint]],
         *,
         payload: Sequence[Payload] = (),
     ) -> Sweep:
@@ -109,7 +111,7 @@ class Sweep:
     @staticmethod
     def quadrature(
         mechanism: Mechanism,
-        axes: Mapping[str, Sequence[float]],
+        axes: Mapping[str, Sequence[Joint]],
         *,
         payload: Sequence[Payload] = (),
     ) -> Sweep:
@@ -126,14 +128,15 @@ class Sweep:
     @staticmethod
     def of_poses(
         mechanism: Mechanism,
-        poses: Sequence[Mapping[str, float]] | str | Path,
+        poses: Sequence[Mapping[str, Joint]] | str | Path,
         *,
-        weight: Sequence[float] | None = None,
+        weight: Sequence[Number] | None = None,
         payload: Sequence[Payload] = (),
     ) -> Sweep:
         """A list of poses {joint: value} (joints left out are held) or a CSV file with a column per joint.
 
-        A CSV column is headed `joint` (rad or m) or `joint [deg]`; a column `weight` weighs the poses.
+        A CSV column is headed `joint` (rad or m) or `joint [deg]`; a column `weight` weighs the poses; columns
+        headed `before ...`, `after ...` and `payload ...`, as reports write them, are results and left out.
         """
         if isinstance(poses, str | Path):
             table, weights = _read_csv(mechanism, Path(poses))
@@ -228,7 +231,7 @@ def _box(mechanism: Mechanism, ranges: Mapping[str, Sequence[float]]) -> Array:
     return box
 
 
-def _axes(mechanism: Mechanism, axes: Mapping[str, Sequence[float]], rule: Any) -> tuple[list[Any], Array]:
+def _axes(mechanism: Mechanism, axes: Mapping[str, Sequence[Joint]], rule: Any) -> tuple[list[Any], Array]:
     if not axes:
         raise InputError("the sweep names no joint", where="sweep", hint=f"joints: {', '.join(mechanism.driven)}")
     start = held(mechanism)
@@ -284,6 +287,8 @@ def _read_csv(mechanism: Mechanism, path: Path) -> tuple[Array, Array]:
         if len(line) != len(heads):
             raise InputError(f"{len(line)} values for {len(heads)} columns", where=where)
         for (name, unit), cell in zip(heads, line, strict=True):
+            if not name:
+                continue
             try:
                 value = float(cell)
             except ValueError:
@@ -302,6 +307,8 @@ def _header(cell: str, mechanism: Mechanism, path: Path) -> tuple[str, str]:
     name, unit = name.strip(), unit.strip().rstrip("]").strip()
     if name == "weight":
         return name, ""
+    if name not in mechanism.driven and name.startswith(RESULTS):
+        return "", ""
     if name not in mechanism.driven:
         raise InputError(
             f"column {name!r} is not a driven joint", where=f"{path}, line 1", hint=nearest(name, mechanism.driven)

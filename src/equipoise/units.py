@@ -81,7 +81,9 @@ def to_si(value: Any, unit: str, where: str = "") -> float:
 def _parse(text: str, unit: str, where: str) -> float:
     options = unit.split(" or ")
     example = f"write for example '1.5 {options[0]}'" if unit else "give a bare number"
-    unreadable = InputError(f"cannot read {text[:64]!r} as a quantity in {unit or 'no unit'}", where=where, hint=example)
+    unreadable = InputError(
+        f"cannot read {text[:64]!r} as a quantity in {unit or 'no unit'}", where=where, hint=example
+    )
     if len(text) > 64 or not _QUANTITY.fullmatch(text.strip()):
         raise unreadable
     try:
@@ -93,7 +95,7 @@ def _parse(text: str, unit: str, where: str) -> float:
             if quantity.is_compatible_with(name) and not (option == "rad" and "%" in text):
                 number = float(quantity.to(name).magnitude)
                 return number if len(options) == 1 else Measured(number, "" if quantity.unitless else option)
-    except Exception:  # noqa: BLE001 - pint raises many kinds for malformed text
+    except Exception:  # pint raises many kinds for malformed text
         raise unreadable from None
     raise InputError(
         f"{text!r} is {quantity.dimensionality}, expected a quantity in {unit or 'no unit'}",

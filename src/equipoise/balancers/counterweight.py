@@ -82,8 +82,11 @@ class Counterweight:
         columns = [np.asarray(base)]
         if self.reach is not None:
             x, y, z = self.at.at
-            for shifted in (Point(self.at.body, (x + 1, y, z)), Point(self.at.body, (x, y + 1, z)),
-                            Point(self.at.body, (x, y, z + 1))):
+            for shifted in (
+                Point(self.at.body, (x + 1, y, z)),
+                Point(self.at.body, (x, y + 1, z)),
+                Point(self.at.body, (x, y, z + 1)),
+            ):
                 columns.append(answer(shifted, 1.0) - base)  # type: ignore[operator]
         return columns
 
@@ -99,5 +102,3 @@ class Counterweight:
         """Add the counterweight to a MuJoCo model as a body of its own."""
         mass, where = self.place(values)
         add_point_mass(spec, self.name, self.at.body, where, mass)
-
-

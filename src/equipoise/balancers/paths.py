@@ -9,8 +9,8 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import InputError
-from equipoise.mechanism import Mechanism, Point
 from equipoise.loops import ancestors
+from equipoise.mechanism import Mechanism, Point
 from equipoise.states import States
 
 

@@ -74,9 +74,7 @@ class Spring:
         if goal == "hold":
             basis, known = self.law.force_basis(length)
             b = known[..., None] * rate + self._weight(states, goal)
-            return Affine(
-                states.mechanism.driven_blocks, b, self.unknowns, basis[..., None, :] * rate[..., :, None]
-            )
+            return Affine(states.mechanism.driven_blocks, b, self.unknowns, basis[..., None, :] * rate[..., :, None])
         if goal in ("energy", "storage"):
             basis, known = self.law.energy_basis(length)
             own = self._weight(states, goal) if goal == "energy" else 0.0

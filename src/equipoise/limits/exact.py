@@ -11,14 +11,14 @@ from equipoise.errors import InputError
 from equipoise.limits.limit import Setting
 from equipoise.solve.program import Rows
 from equipoise.sweep import pose_vector
-from equipoise.units import Angle
+from equipoise.units import Joint
 
 
 @dataclass(frozen=True)
 class ExactAt:
     """The holding effort vanishes at the given poses {joint: value}, on the given joints (default: all that load)."""
 
-    poses: tuple[Mapping[str, Angle], ...]
+    poses: tuple[Mapping[str, Joint], ...]
     joints: tuple[str, ...] | None = None
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
@@ -39,8 +39,15 @@ class ExactAt:
                 # Scenarios are stacked pose by pose, so one pose's rows are every len(poses)-th.
                 pick = slice(pose, None, len(self.poses))
                 found.append(
-                    Rows(f"exact balance of {joint} at {_words(self.poses[pose])}", effort.blocks[column].unit,
-                         A[..., pick, :], -b[..., pick], effort.unknowns, equality=True, scale=load)
+                    Rows(
+                        f"exact balance of {joint} at {_words(self.poses[pose])}",
+                        effort.blocks[column].unit,
+                        A[..., pick, :],
+                        -b[..., pick],
+                        effort.unknowns,
+                        equality=True,
+                        scale=load,
+                    )
                 )
         return tuple(found)
 

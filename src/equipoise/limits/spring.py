@@ -170,7 +170,9 @@ def _reach(weight: Counterweight) -> list[Rows]:
     G = np.vstack([np.eye(3), -np.eye(3)])
     limit = f"reach of {weight.name} ({units.text(weight.reach, 'm')})"
     if weight.mass is not None:
-        return [Rows(limit, "kg m", G, np.full(6, weight.reach * weight.mass), moments, scale=weight.reach * weight.mass)]
+        return [
+            Rows(limit, "kg m", G, np.full(6, weight.reach * weight.mass), moments, scale=weight.reach * weight.mass)
+        ]
     return [Rows(limit, "kg m", np.hstack([np.full((6, 1), -weight.reach), G]), np.zeros(6), unknowns)]
 
 
@@ -186,7 +188,9 @@ def _sides(
     rows = []
     if high is not None:
         scale = max(abs(high), 1e-9) if high else _scale(known)
-        rows.append(Rows(f"{what} <= {units.text(high, unit)}", unit, basis, high - known, unknowns, state, scale=scale))
+        rows.append(
+            Rows(f"{what} <= {units.text(high, unit)}", unit, basis, high - known, unknowns, state, scale=scale)
+        )
     if low is not None:
         scale = abs(low) if low else _scale(known)
         rows.append(Rows(f"{what} >= {units.text(low, unit)}", unit, -basis, known - low, unknowns, state, scale=scale))

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.loops.constraints import Couple, Equality, equalities
 from equipoise.errors import InputError, LoopError
+from equipoise.loops.constraints import Couple, Equality, equalities
 from equipoise.loops.posture import Evaluator
 from equipoise.loops.walk import CLOSED, Closed, Loop
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.loops.assembly import Assembly, assemble
 from equipoise.errors import InputError, LoopError
+from equipoise.loops.assembly import Assembly, assemble
 from equipoise.loops.messages import advice, blocked_way, gap, pose_text
 from equipoise.loops.posture import Evaluator, qpos_width
 from equipoise.loops.roadmap import Blocked, follow

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.loops.assembly import Assembly
 from equipoise.errors import LoopError
+from equipoise.loops.assembly import Assembly
 from equipoise.loops.posture import Evaluator
 from equipoise.loops.roadmap import Blocked
 from equipoise.loops.walk import CLOSED, Closed, Loop

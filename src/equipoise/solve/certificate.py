@@ -70,8 +70,12 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
         price = multiplier if rows.equality else np.maximum(multiplier, 0.0)
         rows_at.append(columns.add(rows.G[chosen], -rows.h[chosen], price))
     P = len(theta)
-    lower = columns.add(-np.eye(P), np.where(np.isfinite(program.lower), program.lower, 0.0), np.maximum(answer.lower, 0))
-    upper = columns.add(np.eye(P), np.where(np.isfinite(program.upper), -program.upper, 0.0), np.maximum(answer.upper, 0))
+    lower = columns.add(
+        -np.eye(P), np.where(np.isfinite(program.lower), program.lower, 0.0), np.maximum(answer.lower, 0)
+    )
+    upper = columns.add(
+        np.eye(P), np.where(np.isfinite(program.upper), -program.upper, 0.0), np.maximum(answer.upper, 0)
+    )
     slope = np.concatenate([part.reshape(-1, P) for part in columns.slope])
     value = np.concatenate(columns.value)
     cuts = np.cumsum([len(part) for part in columns.size])[:-1]

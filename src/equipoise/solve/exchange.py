@@ -161,10 +161,14 @@ def _initial(program: Program, theta: Array) -> Working:
 def _refresh(program: Program, warm: Working, theta: Array) -> Working:
     """A known working set for a program of the same shape; the signs of mean terms are taken anew."""
     fresh = _initial(program, theta)
-    terms = [np.union1d(old, new) if term.norm != "rms" else new
-             for term, old, new in zip(program.terms, warm.terms, fresh.terms, strict=True)]
-    rows = [np.union1d(old[old < len(spec.h)], new).astype(int)
-            for spec, old, new in zip(program.rows, warm.rows, fresh.rows, strict=True)]
+    terms = [
+        np.union1d(old, new) if term.norm != "rms" else new
+        for term, old, new in zip(program.terms, warm.terms, fresh.terms, strict=True)
+    ]
+    rows = [
+        np.union1d(old[old < len(spec.h)], new).astype(int)
+        for spec, old, new in zip(program.rows, warm.rows, fresh.rows, strict=True)
+    ]
     return Working(terms, rows, fresh.signs)
 
 

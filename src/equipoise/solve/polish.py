@@ -41,8 +41,9 @@ def _active_rows(program: Program, working: Working, answer: Answer) -> tuple[Ar
     """Rows (m, P) and right sides of limits and bounds that carry a price."""
     P = len(program.unknowns)
     matrices, sides = [np.zeros((0, P))], [np.zeros(0)]
-    largest = max([float(np.abs(m).max(initial=0.0) * r.scale) for m, r in zip(answer.row, program.rows, strict=True)]
-                  + [1e-300])
+    largest = max(
+        [float(np.abs(m).max(initial=0.0) * r.scale) for m, r in zip(answer.row, program.rows, strict=True)] + [1e-300]
+    )
     for rows, chosen, price in zip(program.rows, working.rows, answer.row, strict=True):
         active = chosen if rows.equality else chosen[price * rows.scale > ACTIVE * largest]
         matrices.append(rows.G[active])
@@ -68,9 +69,7 @@ def _least_squares(factor: Array, rows: Array, rhs: Array) -> Array:
     return fixed + free @ step
 
 
-def _level(
-    program: Program, working: Working, answer: Answer, rows: Array, rhs: Array, scale: Array
-) -> Array:
+def _level(program: Program, working: Working, answer: Answer, rows: Array, rhs: Array, scale: Array) -> Array:
     """theta and the common level t of the active samples, by the smallest move from the solver's answer."""
     term = program.terms[0]
     flat, y = working.terms[0], answer.y[0]

@@ -1,0 +1,254 @@
+"""The command line: one function per verb. Heavy libraries are imported when a command runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from equipoise.console import STOPPED, emit, guarded, progress_bar, say, staging
+from equipoise.errors import DisagreementError, InputError, nearest
+
+if TYPE_CHECKING:
+    from equipoise.design import Design
+    from equipoise.problem import Problem
+
+app = typer.Typer(
+    name="equipoise",
+    help="Designs balanced mechanisms: which springs and counterweights, where, how big, and how good the answer is.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+File = Annotated[str, typer.Argument(metavar="FILE", help="Problem file (YAML), or a robot: URDF, MJCF, package://...")]
+Made = Annotated[
+    str, typer.Argument(metavar="FILE", help="design.json of an earlier run, or a problem file, which is solved first.")
+]
+Json = Annotated[bool, typer.Option("--json", help="Print machine output on stdout, and nothing else there.")]
+Out = Annotated[Path | None, typer.Option("--out", help="Folder to write to.")]
+Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the search; the same seed, the same design.")]
+Starts = Annotated[int | None, typer.Option("--starts", min=1, help="Starts of the search.")]
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    version: Annotated[bool, typer.Option("--version", help="Print the version.", is_eager=True)] = False,
+) -> None:
+    if version:
+        from equipoise import __version__
+
+        typer.echo(f"equipoise {__version__}")
+        raise typer.Exit
+
+
+@app.command()
+@guarded
+def analyze(file: File, json: Json = False, out: Out = None) -> int:
+    """What the motors hold against gravity, and which joints are worth a spring."""
+    from equipoise.report.jsonfile import dumps
+    from equipoise.targets import target_of
+    from equipoise.verbs.analyze import analyze as run
+
+    problem = target_of(file).problem
+    found = run(problem.mechanism, problem.sweep)
+    say(str(found))
+    with staging(out) as stage:
+        if stage is not None:
+            (stage / "analysis.json").write_text(dumps(found.json()), encoding="utf-8")
+    if json:
+        emit(found.json())
+    return 0
+
+
+@app.command()
+@guarded
+def balance(file: File, json: Json = False, out: Out = None) -> int:
+    """The best values of all unknowns at the geometry of the file."""
+    from equipoise.solving import balanced, solvable_problem
+
+    problem = solvable_problem(file, "balance")
+    return _answer(balanced(problem), problem, json, out, stopped=False)
+
+
+@app.command()
+@guarded
+def shape(  # noqa: PLR0917 - typer reads options from parameters
+    file: File,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+    starts: Starts = None,
+    over: Annotated[
+        tuple[str, str] | None,
+        typer.Option("--map", metavar="A B", help="Draw the norm over two free parameters into the folder."),
+    ] = None,
+    norm: Annotated[str | None, typer.Option("--norm", help="Norm of the map: rms, peak or mean.")] = None,
+) -> int:
+    """Geometry within its bounds and all unknowns together."""
+    from equipoise.solving import shaped, solvable_problem
+
+    problem = solvable_problem(file, "shape")
+    if not problem.bounds:
+        raise InputError(
+            "no geometry is free",
+            where=f"{problem.document.name}, shape",
+            hint="add a block such as `shape: {s1.path.line.0.z: [5 cm, 25 cm]}`, or use `equipoise balance`",
+        )
+    for name in over or ():
+        if name not in problem.bounds:
+            hint = nearest(name, list(problem.bounds))
+            raise InputError(f"{name!r} is no free parameter", where=f"{problem.document.name}, --map", hint=hint)
+    found, stopped = shaped(problem, seed, starts)
+    if not over or stopped:
+        return _answer(found, problem, json, out, stopped)
+    return _mapped(found, problem, json, out or _default_out(problem), over=over, norm=norm)
+
+
+@app.command()
+@guarded
+def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, starts: Starts = None) -> int:
+    """Shape (or balance), verify and report in one go."""
+    from equipoise.solving import balanced, shaped, solvable_problem
+
+    problem = solvable_problem(file, "design")
+    found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
+    return _reported(found, problem, json, out or _default_out(problem), stopped)
+
+
+@app.command()
+@guarded
+def verify(
+    file: Made,
+    json: Json = False,
+    out: Out = None,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the unseen poses.")] = None,
+    poses: Annotated[int, typer.Option("--poses", min=1, help="Number of unseen poses.")] = 10_000,
+) -> int:
+    """The design in MuJoCo at poses it never saw, its energies, and the poses between the samples."""
+    from equipoise.solving import found_design
+    from equipoise.verbs.verify import verify as run
+
+    found, problem, stopped = found_design(file, "verify")
+    options: dict[str, Any] = {"poses": poses} if seed is None else {"poses": poses, "seed": seed}
+    with staging(out) as stage:
+        found = run(_told(found, problem, out), out=stage, **options)
+        _write(found, stage)
+    return _conclude(found, json, stopped, _written(out, found))
+
+
+@app.command()
+@guarded
+def report(file: Made, json: Json = False, out: Out = None) -> int:
+    """One HTML file to look at, with the data and the model beside it."""
+    from equipoise.solving import found_design
+
+    found, problem, stopped = found_design(file, "report")
+    return _reported(found, problem, json, out or _default_out(problem), stopped)
+
+
+@app.command()
+@guarded
+def schema() -> int:
+    """The JSON Schema of problem files, on stdout."""
+    from equipoise.problem import schema as whole
+
+    emit(whole())
+    return 0
+
+
+def _told(found: Design, problem: Problem, out: Path | None) -> Design:
+    from equipoise.designfile import with_problem
+
+    return with_problem(found, problem, out)
+
+
+def _default_out(problem: Problem) -> Path:
+    return Path("out") / (Path(problem.document.name.split(",")[0]).stem or "design")
+
+
+def _write(found: Design, stage: Path | None) -> None:
+    from equipoise.report.jsonfile import dumps
+
+    if stage is not None:
+        (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")
+
+
+def _written(out: Path | None, found: Design) -> list[str]:
+    """Lines that say where the files are, the most interesting last."""
+    if out is None:
+        return []
+    lines = [f"design      {out / 'design.json'}"]
+    if found.verification is not None and found.verification.model is not None:
+        lines.insert(0, f"model       {out / Path(found.verification.model).name}")
+    return lines
+
+
+def _answer(found: Design, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:
+    found = _told(found, problem, out)
+    with staging(out) as stage:
+        _write(found, stage)
+    return _conclude(found, json, stopped, _written(out, found))
+
+
+def _mapped(found: Design, problem: Problem, json: bool, out: Path, *, over: tuple[str, str], norm: str | None) -> int:
+    from equipoise.verbs.geometry_map import geometry_map
+
+    found = _told(found, problem, out)
+    with staging(out) as stage, progress_bar("map", "lines", "") as progress:
+        assert stage is not None
+        _write(found, stage)
+        made = geometry_map(found, *over, norm=norm, progress=progress)  # type: ignore[arg-type]
+        files = made.write(stage)
+    lines = [*_written(out, found), *(f"map         {out / file.name}" for file in files)]
+    return _conclude(found, json, False, lines)
+
+
+def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: bool) -> int:
+    from equipoise.verbs.report import report as write_report
+    from equipoise.verbs.verify import verify as run
+
+    found = _told(found, problem, out)
+    try:
+        with staging(out) as stage:
+            assert stage is not None
+            found = run(found, out=stage)
+            write_report(found, stage)
+    except KeyboardInterrupt:
+        # The design itself is finished work.
+        with staging(out) as stage:
+            _write(found, stage)
+        say(f"stopped during verification and report; the design is in {out / 'design.json'}")
+        return STOPPED
+    return _conclude(found, json, stopped, [*_written(out, found), f"report      {out / 'report.html'}"])
+
+
+def _conclude(found: Design, json: bool, stopped: bool, lines: Sequence[str]) -> int:
+    """Print what there is to say and decide the exit code."""
+    from equipoise.verbs.verify import insist
+
+    say("\n".join([str(found), *lines]))
+    if json:
+        emit(found.json())
+    if stopped:
+        return STOPPED
+    reasons = [f"target missed: {found.missed}"] if found.missed else []
+    try:
+        insist(found)
+    except DisagreementError as error:
+        reasons.append(str(error))
+    for reason in reasons:
+        say(f"error: {reason}")
+    return 1 if reasons else 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    try:
+        app(args=None if arguments is None else list(arguments), prog_name="equipoise")
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else 1 if end.code else 0
+    return 0

@@ -1,0 +1,135 @@
+"""design.json as a design again: the problem rebuilt, the found values put in, nothing solved anew."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.assemble import effort
+from equipoise.design import Active, Certificate, Design
+from equipoise.errors import ProblemError
+from equipoise.parameters import unit_of, write
+from equipoise.problem import Problem, problem_of
+from equipoise.states import States
+from equipoise.verbs.analyze import table
+from equipoise.yamlfile import Document
+
+MAX_BYTES = 64 * 1024 * 1024
+CHANGED = 1e-6
+
+
+def with_problem(design: Design, problem: Problem, out: Path | None) -> Design:
+    """The design with what it takes to rebuild it: the file's content, and its folder as seen from `out`."""
+    folder = os.path.relpath(problem.folder.absolute(), (out or Path()).absolute())
+    file = Path(problem.document.name).name if design.problem is None else design.problem.get("file", "")
+    record = {"file": file, "folder": Path(folder).as_posix(), "content": problem.raw}
+    return replace(design, problem=record)
+
+
+def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
+    """Read design.json: its problem, the design, and remarks where its tables are not what its values give.
+
+    Raises ProblemError for a file that is no design, or whose values do not fit its problem.
+    """
+    name = str(path)
+    data = _read(path, name)
+    record = data["problem"]
+    folder = path.parent / str(record.get("folder", "."))
+    problem = problem_of(Document(f"{name}, problem", record["content"]), folder)
+    problem.check()
+    geometry, values = (_values(data, key, name) for key in ("geometry", "unknowns"))
+    for parameter in geometry:
+        if parameter not in problem.bounds:
+            raise ProblemError(f"geometry {parameter!r} is not in the problem's `shape`", where=name)
+    balancers = write(problem.balancers, geometry)
+    states = problem.mechanism.states(problem.sweep)
+    whole = effort(problem.mechanism, balancers, states)
+    missing = [unknown.name for unknown in whole.unknowns if unknown.name not in values]
+    if missing:
+        raise ProblemError(f"there is no value for {', '.join(missing)}", where=f"{name}, unknowns")
+    ordered = {unknown.name: values[unknown.name] for unknown in whole.unknowns}
+    theta = np.array(list(ordered.values()))
+
+    def residual(other: States) -> Array:
+        return effort(problem.mechanism, balancers, other).at(theta)
+
+    mechanism, sweep = problem.mechanism, problem.sweep
+    design = Design(
+        mechanism=mechanism,
+        balancers=balancers,
+        sweep=sweep,
+        states=states,
+        objective=problem.objective,
+        limits=problem.limits,
+        values=ordered,
+        units={u.name: u.unit for u in whole.unknowns} | {g: unit_of(balancers, g) for g in geometry},
+        before=table(mechanism, sweep, states, states.holding, lambda other: other.holding),
+        after=table(mechanism, sweep, states, whole.at(theta), residual),
+        certificate=_certificate(data.get("certificate"), name),
+        geometry=geometry,
+        bounds={parameter: problem.bounds[parameter] for parameter in geometry},
+        seed=int(data.get("seed") or 0),
+        refined=int(data.get("refined") or 0),
+        problem=record,
+    )
+    return problem, design, tuple(_changes(design, data))
+
+
+def _read(path: Path, name: str) -> dict[str, Any]:
+    hint = "design.json is what `equipoise design FILE --out DIR` writes"
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(MAX_BYTES + 1)
+        data = json.loads(content) if len(content) <= MAX_BYTES else None
+    except OSError as error:
+        raise ProblemError(f"the file cannot be read: {error.strerror or error}", where=name) from None
+    except (ValueError, RecursionError) as error:
+        line = getattr(error, "lineno", None)
+        place = f"{name}, line {line}" if line else name
+        raise ProblemError(f"not valid JSON: {getattr(error, 'msg', 'unreadable')}", where=place, hint=hint) from None
+    if not isinstance(data, dict) or not isinstance(data.get("unknowns"), dict):
+        raise ProblemError("this is not a design", where=name, hint=hint)
+    record = data.get("problem")
+    if not isinstance(record, Mapping) or not isinstance(record.get("content"), Mapping):
+        raise ProblemError("the design does not hold its problem, so it cannot be rebuilt", where=name, hint=hint)
+    return data
+
+
+def _values(data: Mapping[str, Any], key: str, name: str) -> dict[str, float]:
+    found = {}
+    for parameter, entry in (data.get(key) or {}).items():
+        value = entry.get("value") if isinstance(entry, Mapping) else None
+        if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+            raise ProblemError("the value is not a number", where=f"{name}, {key}.{parameter}")
+        found[parameter] = float(value)
+    return found
+
+
+def _certificate(found: Any, name: str) -> Certificate:
+    """The certificate as the solver gave it: it belongs to the solution, so it is read and not made anew."""
+    known = {field.name for field in fields(Certificate)}
+    try:
+        kept = {key: value for key, value in found.items() if key in known}
+        kept["active"] = tuple(Active(**entry) for entry in kept.get("active", ()))
+        for key in ("floors", "flat"):
+            kept[key] = tuple(kept.get(key, ()))
+        return Certificate(**kept)
+    except (AttributeError, TypeError):
+        raise ProblemError("the certificate is missing or incomplete", where=f"{name}, certificate") from None
+
+
+def _changes(design: Design, data: Mapping[str, Any]) -> list[str]:
+    remarks = []
+    for joint, row in design.after.items():
+        said = ((data.get("after") or {}).get(joint) or {}).get("peak")
+        scale = max(other.peak for other in (*design.before.values(), row) if other.unit == row.unit)
+        if isinstance(said, int | float) and abs(said - row.peak) > CHANGED * scale:
+            remarks.append(f"{joint}: the file says a peak of {said:.6g} {row.unit}, its values give {row.peak:.6g}")
+    return remarks

@@ -1,0 +1,75 @@
+"""From the file a command is pointed at to a solved design."""
+
+from __future__ import annotations
+
+from equipoise.console import Interrupts, progress_bar, say
+from equipoise.design import Design
+from equipoise.errors import InputError
+from equipoise.problem import Problem
+from equipoise.targets import Target, needs_problem, target_of
+from equipoise.verbs import balance as verbs_balance
+from equipoise.verbs import shape as verbs_shape
+
+
+def solvable_problem(file: str, verb: str) -> Problem:
+    """A problem that may be solved; raises InputError for a bare robot, or one that adds nothing."""
+    return _solvable(_target(file), file, verb).problem
+
+
+def _target(file: str) -> Target:
+    target = target_of(file)
+    for remark in target.remarks:
+        say(f"note: {remark}")
+    return target
+
+
+def _solvable(target: Target, file: str, verb: str) -> Target:
+    if target.bare:
+        raise needs_problem(target.problem.mechanism, file, verb)
+    if not target.problem.balancers:
+        raise InputError(
+            "nothing is added to the mechanism",
+            where=f"{file}, balancers",
+            hint="add `balancers:` with a spring or a counterweight; `equipoise analyze` says which joints ask for one",
+        )
+    return target
+
+
+def found_design(file: str, verb: str) -> tuple[Design, Problem, bool]:
+    """The design that a file holds, or that its problem leads to; whether Ctrl-C cut the search short."""
+    target = _solvable(_target(file), file, verb)
+    if target.design is not None:
+        return target.design, target.problem, False
+    if target.problem.bounds:
+        found, stopped = shaped(target.problem, None, None)
+        return found, target.problem, stopped
+    return balanced(target.problem), target.problem, False
+
+
+def balanced(problem: Problem) -> Design:
+    """All unknowns at the geometry of the file."""
+    with problem.at_names():
+        return verbs_balance.balance(
+            problem.mechanism, problem.balancers, problem.sweep, objective=problem.objective, limits=problem.limits
+        )
+
+
+def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:
+    """Geometry and unknowns, with progress on stderr; whether Ctrl-C cut the search short."""
+    search = problem.search
+    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    with problem.at_names(), Interrupts() as interrupts, progress_bar("shape", "starts", unit) as progress:
+        found = verbs_shape.shape(
+            problem.mechanism,
+            problem.balancers,
+            problem.sweep,
+            problem.bounds,
+            objective=problem.objective,
+            limits=problem.limits,
+            starts=search.starts if starts is None else starts,
+            seed=search.seed if seed is None else seed,
+            progress=progress,
+        )
+    if interrupts.hit:
+        say(f"the search was stopped by hand: the best of {found.certificate.starts} starts")
+    return found, interrupts.hit

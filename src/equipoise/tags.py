@@ -1,0 +1,82 @@
+"""The one place that lists what a problem file may name: every tag and the constructor that it mirrors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
+from equipoise.balancers.paths import Line
+from equipoise.balancers.spring import Spring
+from equipoise.forms import Family, Form
+from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+from equipoise.mechanism import Mechanism, Point
+from equipoise.models.chain import chain
+from equipoise.models.four_bar import four_bar
+from equipoise.models.parallelogram_arm import parallelogram_arm
+from equipoise.models.slider_crank import slider_crank
+from equipoise.sweep import Sweep
+from equipoise.units import Length as Metres
+
+BUILDERS: dict[str, Callable[..., Any]] = {
+    "chain": chain,
+    "parallelogram_arm": parallelogram_arm,
+    "four_bar": four_bar,
+    "slider_crank": slider_crank,
+}
+MECHANISMS: dict[str, Callable[..., Any]] = {"model": Mechanism.load, **BUILDERS}
+SWEEPS: dict[str, Callable[..., Any]] = {
+    "sobol": Sweep.sobol,
+    "grid": Sweep.grid,
+    "quadrature": Sweep.quadrature,
+    "poses": Sweep.of_poses,
+}
+BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
+PATHS: dict[str, Callable[..., Any]] = {"line": Line}
+LAWS: dict[str, Callable[..., Any]] = {
+    "zero_free_length": ZeroFreeLength,
+    "linear": Linear,
+    "coil": Coil,
+    "constant": Constant,
+}
+MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
+LIMITS: dict[str, Callable[..., Any]] = {
+    "stroke": Stroke,
+    "force": Force,
+    "slack": Slack,
+    "length": Length,
+    "stiffness": Stiffness,
+    "mass": MassCap,
+    "exact_at": ExactAt,
+}
+
+
+def _members(table: Mapping[str, Callable[..., Any]]) -> Callable[[], Mapping[str, Callable[..., Any]]]:
+    return lambda: table
+
+
+def point(body: str, x: Metres = 0.0, y: Metres = 0.0, z: Metres = 0.0) -> Point:
+    """A point of a body: [body, x, y, z] in the body's own (URDF link) frame, m; `world` is the base."""
+    return Point(body, (x, y, z))
+
+
+MECHANISM = Family("mechanism", _members(MECHANISMS), leading=True, nested=tuple(BUILDERS), later=True)
+SWEEP = Family("sweep", _members(SWEEPS), leading=True, later=True)
+BALANCER = Family("balancer", _members(BALANCERS))
+LIMIT = Family("limit", _members(LIMITS), leading=True)
+PATH = Family("path", _members(PATHS))
+LAW = Family("law", _members(LAWS))
+MASS = Family("mass", _members(MASSES))
+
+
+def family_of(hint: Any) -> Family | Form | None:
+    """The family that a parameter's type stands for, and how points are written; None for other types."""
+    if hint is Point:
+        return Form(point)
+    if hint is Law:
+        return LAW
+    for family, table in ((PATH, PATHS), (LAW, LAWS), (MASS, MASSES)):
+        if isinstance(hint, type) and hint in table.values():
+            return family
+    return None

@@ -1,0 +1,94 @@
+"""Every example runs from file to verified design and meets a number worked out here by other means."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from equipoise.problem import load_problem
+from equipoise.verbs.balance import balance
+from equipoise.verbs.shape import shape
+from equipoise.verbs.verify import verify
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+G = 9.81
+
+
+def run(name: str, **options):
+    problem = load_problem(EXAMPLES / f"{name}.yaml")
+    problem.check()
+    pieces = (problem.mechanism, problem.balancers, problem.sweep)
+    same = {"objective": problem.objective, "limits": problem.limits}
+    if problem.bounds:
+        return shape(*pieces, problem.bounds, **same, starts=options.get("starts", 6), seed=problem.search.seed)
+    return balance(*pieces, **same)
+
+
+def plain_peak(model: mujoco.MjModel, joint: str, poses: np.ndarray) -> float:
+    """Largest gravity torque of a joint by a plain MuJoCo loop, without any code of ours."""
+    data = mujoco.MjData(model)
+    dof = model.jnt_dofadr[mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)]
+    largest = 0.0
+    for pose in poses:
+        data.qpos[:] = pose
+        mujoco.mj_forward(model, data)
+        largest = max(largest, abs(float(data.qfrc_bias[dof])))
+    return largest
+
+
+def test_ur10_shoulder():
+    design = run("ur10_shoulder")
+    shoulder, elbow = "shoulder_lift_joint", "elbow_joint"
+    assert design.before[shoulder].peak == pytest.approx(121.031, abs=1e-3)
+    assert design.before[elbow].peak == pytest.approx(34.235, abs=1e-3)
+    # The spring does not span the elbow, whose own torque is the floor of the objective.
+    assert design.after[shoulder].peak <= design.before[elbow].peak * (1 + 1e-6)
+    model = design.mechanism.model
+    straight = np.zeros((1, model.nq))
+    assert plain_peak(model, shoulder, straight) == pytest.approx(design.before[shoulder].peak, rel=0.01)
+    part = design.parts()[0]
+    assert part["stroke"] <= 0.6 + 1e-9
+    assert not design.missed
+    assert verify(design, poses=500).verification.max_abs_error < 1e-9
+
+
+def test_so101_shoulder():
+    design = run("so101_shoulder")
+    assert design.before["shoulder_lift"].peak == pytest.approx(0.8642, abs=1e-3)
+    assert design.after["shoulder_lift"].peak <= 0.4535
+    assert design.after["shoulder_lift"].peak <= design.after["elbow_flex"].peak * (1 + 1e-6)
+    box = design.mechanism.box
+    poses = box[:, 0] + np.random.default_rng(1).random((3000, len(box))) * (box[:, 1] - box[:, 0])
+    assert 0.9 * 0.4529 < plain_peak(design.mechanism.model, "elbow_flex", poses) <= 0.4529 + 1e-4
+    assert not design.missed
+
+
+def test_mass_table_arm():
+    design = run("mass_table_arm", starts=4)
+    m1, c1, l1, m2, c2, l2, load = 4.0, 0.18, 0.4, 2.2, 0.15, 0.35, 1.5
+    reach = m1 * c1 + m2 * (l1 + c2) + load * (l1 + l2)
+    assert design.before["upper_arm_joint"].peak == pytest.approx(reach * G, rel=1e-6)
+    assert design.before["forearm_joint"].peak == pytest.approx((m2 * c2 + load * l2) * G, rel=1e-6)
+    # No fixed weight does better at the elbow than half the load's own torque, either way.
+    assert design.after["forearm_joint"].peak == pytest.approx(load * l2 * G / 2, rel=1e-4)
+    assert design.values["tail.m"] == pytest.approx((m2 * c2 + load * l2 / 2) / 0.12, rel=1e-4)
+    assert design.after["upper_arm_joint"].peak / 60 <= design.after["forearm_joint"].peak / 20 * (1 + 1e-6)
+    assert verify(design, poses=500).verification.agrees
+
+
+def test_monitor_arm():
+    design = run("monitor_arm")
+    length, moment = 0.25, (0.8 / 2 + 0.5 / 2 + 0.3) * 0.25
+    assert design.before["arm_joint"].peak == pytest.approx((moment + 8 * length) * G, rel=1e-6)
+    # A spring straight above the pivot holds any one payload exactly: k a b = (moment + m l) g.
+    assert design.values["lift.k"] == pytest.approx((moment + 5.5 * length) * G / (0.055 * 0.12), rel=1e-6)
+    assert design.after["arm_joint"].peak == pytest.approx(2.5 * length * G, rel=1e-6)
+    assert design.certificate.kind == "convex"
+    angle = math.radians(60)
+    longest = math.sqrt(0.12**2 + 0.055**2 + 2 * 0.12 * 0.055 * math.sin(angle))
+    assert design.parts()[0]["length"][1] == pytest.approx(longest, rel=1e-9)
+    assert verify(design, poses=500).verification.agrees
