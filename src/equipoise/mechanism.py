@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from equipoise.sweep import Sweep
 
 KEPT_BATCHES = 4
+ANSWERED = ("hold", "drive", "force", "moment", "mass", "energy", "storage")
+"""What mechanism and balancers answer of a state."""
 
 
 @dataclass(frozen=True)
@@ -172,13 +174,25 @@ class Mechanism:
         """The mechanism's own share of a goal, without unknowns.
 
         `hold`: tau = D^T (qfrc_bias - qfrc_spring) - sum m g . J, per driven joint (N, nd), N m or N;
+        `drive`: what the motors supply over a motion, inertia, weight, springs and dampers of the file (N, nd);
+        `force`, `moment`: F = dp/dt and M = dL/dt about the world origin (N, 3), the wrench of the base on the
+        mechanism, weight left out; `mass`: what is added, kg;
         `energy`: the potential of all weights and of springs already in the file (N, 1), J.
         """
+        from equipoise.momentum import FORCE, MASS, MOMENT, bare_drive, bare_wrench
+
         if goal == "hold":
             return Affine.known(self.driven_blocks, states.holding)
+        if goal == "drive":
+            return Affine.known(self.driven_blocks, sum(bare_drive(states), start=np.zeros(1)))
+        if goal in ("force", "moment"):
+            first, block = (0, FORCE) if goal == "force" else (3, MOMENT)
+            return Affine.known((block,), bare_wrench(states)[:, first : first + 3])
+        if goal == "mass":
+            return Affine.known((MASS,), np.zeros((1, 1)))
         if goal == "energy":
             return Affine.known((Block("energy", "J"),), states.potential[:, None])
-        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy"]))
+        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ANSWERED))
 
     def with_model(self, spec: mujoco.MjSpec) -> Mechanism:
         """The same mechanism over an edited spec whose joints are the same."""

@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.loops import ancestors, close_loops
+from equipoise.errors import InputError
+from equipoise.loops import accelerations, ancestors, close_loops, close_motion
 from equipoise.mechanism import Mechanism, Point
 
 if TYPE_CHECKING:
@@ -55,6 +56,51 @@ def kinematics(mechanism: Mechanism, q: Array) -> Kinematics:
 
 
 @dataclass(frozen=True, eq=False)
+class Rates:
+    """How the postures move: velocity and acceleration of the driven joints (N, nd) and of all dofs (N, nv).
+
+    cdof_dot (N, nv, 6) are the rates of the motion axes, damper (N, nv) the file's own damping forces.
+    """
+
+    driven_velocity: Array
+    driven_acceleration: Array
+    velocity: Array
+    acceleration: Array
+    cdof_dot: Array
+    damper: Array
+
+
+def rates(mechanism: Mechanism, q: Array, transmission: Array, driven: tuple[Array, Array]) -> Rates:
+    """Exact velocities D v and accelerations D a + Ddot v of all dofs, for driven (v, a) (N, nd) each."""
+    v, a = driven
+    velocity, start = ((transmission @ x[..., None])[..., 0] for x in (v, a))
+    batch = mechanism.batch(len(q))
+    batch.bind("qpos")[:] = q
+    moved = batch.bind("qvel")
+    moved[:] = velocity
+    axes, damper = batch.bind("cdof_dot"), batch.bind("qfrc_damper")
+    batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
+    cdof_dot, damper = np.array(axes).reshape(len(q), -1, 6), np.array(damper)
+    moved[:] = 0.0  # the batch is kept for statics
+    acceleration = accelerations(mechanism, q, velocity, cdof_dot, start)
+    return Rates(v, a, velocity, acceleration, cdof_dot, damper)
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """A body's frame X (N, 3, 4) = [R | o] with its first two time derivatives: a point x = (r, 1) is at X x.
+
+    slope (N, nd, 3, 4) is dX/dq_driven; push (N, 3) is the angular acceleration.
+    """
+
+    frame: Array
+    speed: Array
+    bend: Array
+    slope: Array
+    push: Array
+
+
+@dataclass(frozen=True, eq=False)
 class States:
     """The states x of a sweep: N rows of posture, weight and payload with their kinematics.
 
@@ -69,16 +115,26 @@ class States:
     payload_mass: Array
     kin: Kinematics
     D: Array
+    rates: Rates | None = None
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
+    _placements: dict[int, Placement] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(mechanism: Mechanism, sweep: Sweep) -> States:
         """Close the loops of a sweep's poses and compute their kinematics, one row per pose and payload."""
         driven, weight, payload_mass = sweep.rows()
-        q, transmission = close_loops(mechanism, driven)
-        kin = kinematics(mechanism, q)
         points = tuple(payload.point for payload in sweep.payloads)
-        return States(mechanism, driven, weight, points, payload_mass, kin, transmission)
+        moving = None
+        if sweep.instants is None:
+            q, transmission = close_loops(mechanism, driven)
+        else:
+            time = np.tile(sweep.instants.time, len(sweep.scenarios))
+            q, transmission = close_motion(mechanism, sweep.instants.motion, time)
+        if sweep.moves is not None:
+            _, v, a = (np.tile(part, (len(sweep.scenarios), 1)) for part in sweep.moves.rows)
+            moving = rates(mechanism, q, transmission, (v, a))
+        kin = kinematics(mechanism, q)
+        return States(mechanism, driven, weight, points, payload_mass, kin, transmission, moving)
 
     def __len__(self) -> int:
         return len(self.driven)
@@ -111,6 +167,78 @@ class States:
         """World rotation (N, 3, 3) of a body and its angular-velocity Jacobian (N, 3, nd)."""
         index = self.mechanism.body_id(body)
         return self.kin.xmat[:, index], self._twist(index)[1]
+
+    @property
+    def moving(self) -> Rates:
+        """Velocities and accelerations; raises InputError for states at rest."""
+        if self.rates is None:
+            raise InputError(
+                "inertia needs a motion, and the sweep is a set of poses",
+                where="sweep",
+                hint="sweep: {motion: {joint: expression in t}, duration: 1 s}",
+            )
+        return self.rates
+
+    def carried(self, body: int) -> bool:
+        """Whether any joint moves a body (by number)."""
+        return bool(ancestors(self.mechanism.model, body))
+
+    def acceleration(self, point: Point) -> Array:
+        """World acceleration (..., N, 3) of a body's point; coordinates may be complex or carry candidates."""
+        bend = self.placement(point.body).bend
+        local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
+        return bend[..., 3] + (bend[..., :3] @ local[..., None])[..., 0]
+
+    def point_wrench(self, point: Point, mass: Any) -> Array:
+        """Rate of linear and angular momentum (..., N, 6) of a point mass, kg, about the world origin."""
+        position, acceleration = self.point(point)[0], self.acceleration(point)
+        x, y, z = (position[..., i] for i in range(3))
+        a, b, c = (acceleration[..., i] for i in range(3))
+        rate = np.stack(np.broadcast_arrays(a, b, c, y * c - z * b, z * a - x * c, x * b - y * a), axis=-1)
+        return np.asarray(mass)[..., None] * rate
+
+    def point_inertia(self, point: Point, mass: Any) -> Array:
+        """Effort (..., N, nd) of the driven joints that accelerates a point mass, kg, weight left out."""
+        jacobian = self.point(point)[1]
+        pull = np.einsum("...i,...ij->...j", self.acceleration(point), jacobian)
+        return np.asarray(mass)[..., None] * pull
+
+    def placement(self, body: str) -> Placement:
+        """Frame of a body with its time derivatives and its slope in driven coordinates."""
+        index = self.mechanism.body_id(body)
+        if index not in self._placements:
+            self._placements[index] = self._place(index)
+        return self._placements[index]
+
+    def _place(self, body: int) -> Placement:
+        moving, kin = self.moving, self.kin
+        dofs = ancestors(self.mechanism.model, body)
+        origin, turn = kin.xpos[:, body], kin.xmat[:, body]
+        if not dofs:
+            none = np.zeros((len(self), 3, 4))
+            return Placement(np.concatenate([turn, origin[..., None]], axis=2), none, none,
+                             np.zeros((len(self), self.driven.shape[1], 3, 4)), none[..., 0])  # fmt: skip
+        axes, v = kin.cdof[:, dofs], moving.velocity[:, dofs, None]
+        twist = (axes * v).sum(axis=1)
+        rate = (axes * moving.acceleration[:, dofs, None] + moving.cdof_dot[:, dofs] * v).sum(axis=1)
+        arm = origin - kin.com[:, body]
+        spin, push = skew(twist[:, :3]), skew(rate[:, :3])
+        velocity = twist[:, 3:] + (spin @ arm[..., None])[..., 0]
+        acceleration = rate[:, 3:] + (push @ arm[..., None] + spin @ velocity[..., None])[..., 0]
+        linear, angular = self._twist(body)
+        along = skew(np.swapaxes(angular, 1, 2))
+        steer = np.swapaxes(linear, 1, 2) + (along @ arm[:, None, :, None])[..., 0]
+
+        def joined(rotation: Array, translation: Array) -> Array:
+            return np.concatenate([rotation, translation[..., None]], axis=-1)
+
+        return Placement(
+            joined(turn, origin),
+            joined(spin @ turn, velocity),
+            joined((push + spin @ spin) @ turn, acceleration),
+            joined(along @ turn[:, None], steer),
+            rate[:, :3],
+        )
 
     @property
     def holding(self) -> Array:
@@ -150,3 +278,10 @@ class States:
                 motion = np.swapaxes(self.kin.cdof[:, dofs], 1, 2) @ self.D[:, dofs]
                 self._bodies[body] = (motion[:, 3:], motion[:, :3])
         return self._bodies[body]
+
+
+def skew(vector: Array) -> Array:
+    """The matrices (..., 3, 3) that cross a vector (..., 3) with another."""
+    x, y, z = (vector[..., i] for i in range(3))
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*vector.shape, 3)

@@ -13,7 +13,8 @@ from equipoise.affine import Affine, Array, Block, Unknown
 from equipoise.balancers.laws import Law, WireMass
 from equipoise.balancers.paths import Path
 from equipoise.errors import InputError, nearest
-from equipoise.mechanism import Mechanism
+from equipoise.mechanism import ANSWERED, Mechanism, Point
+from equipoise.momentum import FORCE, MASS, MOMENT
 from equipoise.states import States
 from equipoise.units import Mass
 
@@ -68,19 +69,37 @@ class Spring:
         """The spring's share of a goal.
 
         `hold`: (B theta + f0) dl/dq plus the weight of its own mass, per driven joint;
+        `drive`: the same plus the inertia of its own mass; `force`, `moment`: its own mass alone; `mass`, kg;
         `energy`: E theta + e0 plus the potential of its own mass, J; `storage`: the elastic part alone, J.
         """
+        if goal in ("force", "moment"):
+            first, block = (0, FORCE) if goal == "force" else (3, MOMENT)
+            shake = np.zeros((len(states), 3)) + self._shake(states)[..., first : first + 3]
+            return Affine((block,), shake, self.unknowns, np.zeros((*shake.shape, len(self.unknowns))))
+        if goal == "mass":
+            own = np.real(np.zeros((1, 1)) + self.own_mass)
+            return Affine((MASS,), own, self.unknowns, np.zeros((*own.shape, len(self.unknowns))))
         length, rate = self.path.deform(states)
-        if goal == "hold":
+        if goal in ("hold", "drive"):
             basis, known = self.law.force_basis(length)
-            b = known[..., None] * rate + self._weight(states, goal)
+            b = known[..., None] * rate + self._weight(states, "hold")
+            if goal == "drive":
+                b = b + sum(states.point_inertia(point, mass) for point, mass in self._masses())
             return Affine(states.mechanism.driven_blocks, b, self.unknowns, basis[..., None, :] * rate[..., :, None])
         if goal in ("energy", "storage"):
             basis, known = self.law.energy_basis(length)
             own = self._weight(states, goal) if goal == "energy" else 0.0
             name = Block("energy", "J") if goal == "energy" else STORAGE
             return Affine((name,), (known + own)[..., None], self.unknowns, basis[..., None, :])
-        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy", "storage"]))
+        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ANSWERED))
+
+    def _masses(self) -> list[tuple[Point, Any]]:
+        """The spring's own mass, lumped at its ends where they can move."""
+        mass = np.asarray(self.own_mass)
+        return [(point, share * mass) for point, share in self.path.ends() if point.body != "world" and np.any(mass)]
+
+    def _shake(self, states: States) -> Any:
+        return sum((states.point_wrench(point, mass) for point, mass in self._masses()), start=np.zeros((1, 6)))
 
     def _weight(self, states: States, goal: str) -> Any:
         mass = self.own_mass
@@ -134,8 +153,13 @@ class Spring:
             add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, share * float(self.own_mass))
 
 
-def add_point_mass(spec: mujoco.MjSpec, name: str, body: str, at: Any, mass: float) -> None:
-    """Add a point mass as a body welded at a point of another; none for zero mass or the world."""
+def add_point_mass(
+    spec: mujoco.MjSpec, name: str, body: str, at: Any, mass: float, inertia: Array | None = None
+) -> None:
+    """Add a mass as a body welded at a point of another; none for zero mass or the world.
+
+    inertia (3, 3) is that about the point along the carrier's axes, kg m^2, None for a point mass.
+    """
     if mass == 0.0 or body == "world":
         return
     carrier = spec.body(body).add_body(name=name)
@@ -143,4 +167,10 @@ def add_point_mass(spec: mujoco.MjSpec, name: str, body: str, at: Any, mass: flo
     carrier.mass = mass
     carrier.ipos = [0.0, 0.0, 0.0]  # said, else the saved file lacks it and MuJoCo refuses to read it back
     carrier.inertia = [0.0, 0.0, 0.0]
+    if inertia is not None and np.abs(inertia).max() > 0:
+        values, axes = np.linalg.eigh(inertia)
+        axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+        quat = np.empty(4)
+        mujoco.mju_mat2Quat(quat, axes.ravel())
+        carrier.inertia, carrier.iquat = np.maximum(values, 0.0).tolist(), quat.tolist()
     carrier.explicitinertial = True

@@ -1,6 +1,8 @@
 """Closed loops: dependent joints and transmission of many poses at once."""
 
-from equipoise.loops.close import close_loops, loop_report
+from equipoise.loops.close import close_loops, loop_report, reachable
 from equipoise.loops.posture import ancestors
+from equipoise.loops.rates import accelerations
+from equipoise.loops.track import close_motion
 
-__all__ = ["ancestors", "close_loops", "loop_report"]
+__all__ = ["accelerations", "ancestors", "close_loops", "close_motion", "loop_report", "reachable"]

@@ -6,6 +6,7 @@ import weakref
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.errors import InputError, LoopError
@@ -13,7 +14,7 @@ from equipoise.loops.assembly import Assembly, assemble
 from equipoise.loops.messages import advice, blocked_way, gap, pose_text
 from equipoise.loops.posture import Evaluator, qpos_width
 from equipoise.loops.roadmap import Blocked, follow
-from equipoise.loops.walk import Closed
+from equipoise.loops.walk import Closed, walk
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
@@ -45,11 +46,11 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     Raises LoopError for a pose that does not close or lies beyond or within the margin of a singularity,
     InputError for positions that are not finite or driven joints that contradict each other or are too few.
     """
-    driven = _checked(mechanism, driven)
+    driven = checked(mechanism, driven)
     model, joints = mechanism.model, mechanism.driven_ids
     selection = np.zeros((1, model.nv, len(joints)))
     selection[0, model.jnt_dofadr[joints], np.arange(len(joints))] = 1.0
-    assembly = _assembly(mechanism)
+    assembly = assembly_of(mechanism)
     home = mechanism.reference if assembly is None else assembly.home.q[0]
     q = np.tile(home, (len(driven), 1))
     q[:, model.jnt_qposadr[joints]] = driven
@@ -62,10 +63,22 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     transmission = np.repeat(selection, len(driven), axis=0)
     for first in range(0, len(driven), _CHUNK):
         part = slice(first, first + _CHUNK)
-        closed = _refined(mechanism, assembly, evaluate, postures[part], driven[part])
+        closed = refined(mechanism, assembly, evaluate, postures[part], driven[part])
         q[part] = closed.q
-        transmission[part] += _transmission(assembly, closed, selection.shape)
+        transmission[part] += transmission_of(assembly, closed, selection.shape)
     return q, transmission
+
+
+def reachable(mechanism: Mechanism, driven: Array) -> NDArray[np.bool_]:
+    """Which poses (N, nd) the loops reach straight from the reference, without meeting a singular posture."""
+    driven = checked(mechanism, driven)
+    assembly = assembly_of(mechanism)
+    if assembly is None:
+        return np.ones(len(driven), dtype=bool)
+    loop, evaluate = assembly.loop, Evaluator(mechanism.model)
+    here = assembly.home.q[0, mechanism.model.jnt_qposadr[mechanism.model.dof_jntid[loop.driven]]]
+    span = (driven[:, assembly.places] - here) / loop.columns[loop.driven]
+    return walk(loop, evaluate, assembly.home.rows(np.zeros(len(driven), dtype=int)), span).arrived
 
 
 def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
@@ -74,7 +87,7 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     The gap is the largest over the loops, angles counted at the characteristic length; without loops it is
     zero and the singular value infinite.
     """
-    assembly = _assembly(mechanism)
+    assembly = assembly_of(mechanism)
     q = np.atleast_2d(np.asarray(q, dtype=float))
     if assembly is None:
         return np.zeros(len(q)), np.full(len(q), np.inf)
@@ -82,13 +95,15 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     return gap(assembly.loop, closed), closed.sigma
 
 
-def _assembly(mechanism: Mechanism) -> Assembly | None:
+def assembly_of(mechanism: Mechanism) -> Assembly | None:
+    """The loops of a mechanism with its branch; None without loops."""
     if mechanism not in _known:
         _known[mechanism] = assemble(mechanism)
     return _known[mechanism]
 
 
-def _checked(mechanism: Mechanism, driven: Array) -> Array:
+def checked(mechanism: Mechanism, driven: Array) -> Array:
+    """Driven positions (N, nd) as floats; raises InputError where they are not finite or not as many."""
     driven = np.asarray(driven, dtype=float)
     if driven.ndim != 2 or driven.shape[1] != len(mechanism.driven):
         raise InputError(
@@ -147,7 +162,8 @@ def _followed(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, ori
     return result[back.ravel()]
 
 
-def _refined(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+def refined(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+    """Postures closed to rounding; raises LoopError for one that stays open or is within the margin of a singularity."""
     # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
     turns = 2 if assembly.curved.all() else 8
     closed = assembly.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
@@ -170,7 +186,8 @@ def _refined(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, post
     return closed
 
 
-def _transmission(assembly: Assembly, closed: Closed, shape: tuple[int, ...]) -> Array:
+def transmission_of(assembly: Assembly, closed: Closed, shape: tuple[int, ...]) -> Array:
+    """dq/dq_driven (N, nv, nd) in the rows of dependent joints."""
     loop = assembly.loop
     follow_up = closed.rate * loop.columns[loop.dependent][:, None] / loop.columns[loop.driven]
     part = np.zeros((len(closed.q), *shape[1:]))

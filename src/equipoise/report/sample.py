@@ -14,7 +14,7 @@ from equipoise.errors import EquipoiseError
 from equipoise.report.numbers import shown, sort_out
 from equipoise.report.phrases import main_joint
 from equipoise.states import States
-from equipoise.sweep import held
+from equipoise.posefile import held
 
 FINE = 241
 

@@ -174,7 +174,7 @@ def _thinned(sweep: Sweep, states: States) -> Sweep:
     loads = np.abs(states.holding).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
     heavy = np.argsort(-loads, axis=0)[: max(1, COARSE // 4 // loads.shape[1])].ravel()
     keep = np.union1d(even, heavy)
-    return replace(sweep, poses=sweep.poses[keep], weight=np.maximum(sweep.weight[keep], 1e-300))
+    return sweep.thinned(keep)
 
 
 def _present(search: _Search) -> Array | None:
