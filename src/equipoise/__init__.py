@@ -47,6 +47,8 @@ _HOME = {
     "verify": "verbs.verify",
     "report": "verbs.report",
     "geometry_map": "verbs.geometry_map",
+    "reproduce": "verbs.reproduce",
+    "Claim": "claim",
     "Problem": "problem",
     "load_problem": "problem",
     "EquipoiseError": "errors",
@@ -79,6 +81,7 @@ if TYPE_CHECKING:
     from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
     from equipoise.balancers.paths import Line
     from equipoise.balancers.spring import Spring
+    from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (
         DisagreementError,
@@ -103,5 +106,6 @@ if TYPE_CHECKING:
     from equipoise.verbs.balance import balance
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
+    from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
     from equipoise.verbs.verify import verify
