@@ -25,6 +25,7 @@ from equipoise.models.parts import (
 from equipoise.units import Angle, Length, Mass, Torque
 
 LINKS = ("arm", "forearm", "crank", "rod")
+RANGES = ((math.radians(50), math.radians(130)), (math.radians(-40), math.radians(40)))
 FLAT = math.radians(2.0)
 
 
@@ -69,7 +70,7 @@ def parallelogram_robot(
         rod_inertial(masses[i], lengths[i], middle[i] if coms[i] is None else coms[i], inertias[i], f"{name}.{link}")
         for i, link in enumerate(LINKS)
     ]
-    spans = limits or tuple((math.radians(a), math.radians(b)) for a, b in ((50.0, 130.0), (-40.0, 40.0)))
+    spans = RANGES if limits is None else limits
     first, second = (interval(span, f"limits[{i}]", name) for i, span in enumerate(spans))
     motors = (None, None) if motor_limits is None else vector(motor_limits, 2, "motor_limits", name)
     t1, t2 = (0.5 * sum(span or (0.0, 0.0)) for span in (first, second))
