@@ -39,6 +39,7 @@ _HOME = {
     "chain": "models.chain",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
+    "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "slider_crank": "models.slider_crank",
     "analyze": "verbs.analyze",
@@ -97,6 +98,7 @@ if TYPE_CHECKING:
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
     from equipoise.models.parallelogram_arm import parallelogram_arm
+    from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank
     from equipoise.objective import Aim
     from equipoise.problem import Problem, load_problem

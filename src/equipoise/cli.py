@@ -49,7 +49,7 @@ def _root(
 @guarded
 def analyze(file: File, json: Json = False, out: Out = None) -> int:
     """What the motors hold against gravity, and which joints are worth a spring."""
-    from equipoise.report.jsonfile import dumps
+    from equipoise.reporting.jsonfile import dumps
     from equipoise.targets import target_of
     from equipoise.verbs.analyze import analyze as run
 
@@ -193,7 +193,7 @@ def _default_out(problem: Problem) -> Path:
 
 
 def _write(found: Design, stage: Path | None) -> None:
-    from equipoise.report.jsonfile import dumps
+    from equipoise.reporting.jsonfile import dumps
 
     if stage is not None:
         (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")
