@@ -9,7 +9,6 @@ from equipoise.mechanism import Mechanism
 from equipoise.models.parts import (
     EARTH,
     Gravity,
-    Inertia,
     Planar,
     add_body,
     add_joint,
@@ -22,7 +21,7 @@ from equipoise.models.parts import (
     rod_inertial,
     vector,
 )
-from equipoise.units import Angle, Length, Mass, Torque
+from equipoise.units import Angle, Inertia, Length, Mass, Torque
 
 LINKS = ("arm", "forearm", "crank", "rod")
 RANGES = ((math.radians(50), math.radians(130)), (math.radians(-40), math.radians(40)))

@@ -130,9 +130,7 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
     answer.lower, answer.upper = np.zeros(P), np.zeros(P)
     for target, (which, place) in zip((answer.lower, answer.upper), bound_places, strict=True):
         target[which] = dual(linear, place) / scale[which]
-    for term, load, place, cap, flat in zip(
-        program.terms, loads, term_places, cap_places, working.terms, strict=True
-    ):
+    for term, load, place, cap, flat in zip(program.terms, loads, term_places, cap_places, working.terms, strict=True):
         multiplier = dual(second, place) / load
         sample = spread(term.sizes, flat)[0]
         answer.level.append(float(multiplier[0]) if term.norm == "rms" else 0.0)
