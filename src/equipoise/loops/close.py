@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.errors import InputError, LoopError
-from equipoise.loops.assembly import Assembly, assemble
+from equipoise.loops.branch import Branch, reference_branch
 from equipoise.loops.messages import advice, blocked_way, gap, pose_text
 from equipoise.loops.posture import Evaluator, qpos_width
 from equipoise.loops.roadmap import Blocked, follow
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _CHUNK = 16384
 _ROUNDING = 1e-11  # dimensionless residual beyond which a posture does not count as closed
-_known: weakref.WeakKeyDictionary[Mechanism, Assembly | None] = weakref.WeakKeyDictionary()
+_known: weakref.WeakKeyDictionary[Mechanism, Branch | None] = weakref.WeakKeyDictionary()
 
 
 def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = None) -> tuple[Array, Array]:
@@ -50,35 +50,36 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     model, joints = mechanism.model, mechanism.driven_ids
     selection = np.zeros((1, model.nv, len(joints)))
     selection[0, model.jnt_dofadr[joints], np.arange(len(joints))] = 1.0
-    assembly = assembly_of(mechanism)
-    home = mechanism.reference if assembly is None else assembly.home.q[0]
+    branch = branch_of(mechanism)
+    home = mechanism.reference if branch is None else branch.home.q[0]
     q = np.tile(home, (len(driven), 1))
     q[:, model.jnt_qposadr[joints]] = driven
-    if assembly is None or not len(driven):
+    if branch is None or not len(driven):
         return q, selection
     evaluate = Evaluator(model)
-    origin = assembly.home if start is None else _origin(mechanism, assembly, evaluate, start)
-    postures = _followed(mechanism, assembly, evaluate, origin, driven)
+    origin = branch.home if start is None else _origin(mechanism, branch, evaluate, start)
+    postures = _followed(mechanism, branch, evaluate, origin, driven)
     postures[:, model.jnt_qposadr[joints]] = driven
     transmission = np.repeat(selection, len(driven), axis=0)
     for first in range(0, len(driven), _CHUNK):
         part = slice(first, first + _CHUNK)
-        closed = refined(mechanism, assembly, evaluate, postures[part], driven[part])
+        closed = refined(mechanism, branch, evaluate, postures[part], driven[part])
         q[part] = closed.q
-        transmission[part] += transmission_of(assembly, closed, selection.shape)
+        transmission[part] += transmission_of(branch, closed, selection.shape)
     return q, transmission
 
 
 def reachable(mechanism: Mechanism, driven: Array) -> NDArray[np.bool_]:
     """Which poses (N, nd) the loops reach straight from the reference, without meeting a singular posture."""
     driven = checked(mechanism, driven)
-    assembly = assembly_of(mechanism)
-    if assembly is None:
+    branch = branch_of(mechanism)
+    if branch is None:
         return np.ones(len(driven), dtype=bool)
-    loop, evaluate = assembly.loop, Evaluator(mechanism.model)
-    here = assembly.home.q[0, mechanism.model.jnt_qposadr[mechanism.model.dof_jntid[loop.driven]]]
-    span = (driven[:, assembly.places] - here) / loop.columns[loop.driven]
-    return walk(loop, evaluate, assembly.home.rows(np.zeros(len(driven), dtype=int)), span).arrived
+    loop, model = branch.loop, mechanism.model
+    here = branch.home.q[0, model.jnt_qposadr[model.dof_jntid[loop.driven]]]
+    span = (driven[:, branch.places] - here) / loop.columns[loop.driven]
+    start = branch.home.rows(np.zeros(len(driven), dtype=int))
+    return walk(loop, Evaluator(model), start, span).arrived
 
 
 def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
@@ -87,18 +88,18 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     The gap is the largest over the loops, angles counted at the characteristic length; without loops it is
     zero and the singular value infinite.
     """
-    assembly = assembly_of(mechanism)
+    branch = branch_of(mechanism)
     q = np.atleast_2d(np.asarray(q, dtype=float))
-    if assembly is None:
+    if branch is None:
         return np.zeros(len(q)), np.full(len(q), np.inf)
-    closed = assembly.loop.linearise(Evaluator(mechanism.model), q)
-    return gap(assembly.loop, closed), closed.sigma
+    closed = branch.loop.linearise(Evaluator(mechanism.model), q)
+    return gap(branch.loop, closed), closed.sigma
 
 
-def assembly_of(mechanism: Mechanism) -> Assembly | None:
-    """The loops of a mechanism with its branch; None without loops."""
+def branch_of(mechanism: Mechanism) -> Branch | None:
+    """The loops of a mechanism on the branch of its reference; None without loops."""
     if mechanism not in _known:
-        _known[mechanism] = assemble(mechanism)
+        _known[mechanism] = reference_branch(mechanism)
     return _known[mechanism]
 
 
@@ -125,10 +126,10 @@ def checked(mechanism: Mechanism, driven: Array) -> Array:
     return driven
 
 
-def _origin(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, start: Array) -> Closed:
+def _origin(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, start: Array) -> Closed:
     # joints outside the loops stay at the reference during the walk, as they do for every pose
-    origin = assembly.home.q.copy()
-    loop, model = assembly.loop, mechanism.model
+    origin = branch.home.q.copy()
+    loop, model = branch.loop, mechanism.model
     tied = np.concatenate([loop.dependent, loop.driven])
     for joint in np.unique(model.dof_jntid[tied]):
         place = slice(model.jnt_qposadr[joint], model.jnt_qposadr[joint] + qpos_width(model, joint))
@@ -144,52 +145,52 @@ def _origin(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, start
     return closed
 
 
-def _followed(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, origin: Closed, driven: Array) -> Array:
+def _followed(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, origin: Closed, driven: Array) -> Array:
     """Postures (N, nq) on the branch; only joints that the loops bend are walked, each combination once."""
-    loop, model = assembly.loop, mechanism.model
-    bent = np.flatnonzero(assembly.curved)
+    loop, model = branch.loop, mechanism.model
+    bent = np.flatnonzero(branch.curved)
     if not bent.size:
         return np.tile(origin.q, (len(driven), 1))
     scale = loop.columns[loop.driven]
     here = origin.q[0, model.jnt_qposadr[model.dof_jntid[loop.driven]]] / scale
-    wanted = driven[:, assembly.places] / scale
-    wanted[:, ~assembly.curved] = here[~assembly.curved]
+    wanted = driven[:, branch.places] / scale
+    wanted[:, ~branch.curved] = here[~branch.curved]
     targets, back = np.unique(wanted, axis=0, return_inverse=True)
     result = follow(loop, evaluate, origin, here, targets)
     if isinstance(result, Blocked):
         pose = driven[int(np.argmax(back.ravel() == result.index))]
-        raise blocked_way(mechanism, assembly, evaluate, result, pose)
+        raise blocked_way(mechanism, branch, evaluate, result, pose)
     return result[back.ravel()]
 
 
-def refined(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+def refined(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
     """Postures closed to rounding; raises LoopError for one that stays open or is within the margin of a singularity."""
     # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
-    turns = 2 if assembly.curved.all() else 8
-    closed = assembly.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
+    turns = 2 if branch.curved.all() else 8
+    closed = branch.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
     worst = int(np.argmax(closed.worst))
     if closed.worst[worst] > _ROUNDING:
         raise LoopError(
             f"the loops do not close at {pose_text(mechanism, driven[worst])}: the gap is "
-            f"{gap(assembly.loop, closed)[worst] * 1e3:.4g} mm",
+            f"{gap(branch.loop, closed)[worst] * 1e3:.4g} mm",
             where=mechanism.name,
         )
     least = int(np.argmin(closed.sigma))
     if closed.sigma[least] <= mechanism.singularity:
         raise LoopError(
             f"the pose {pose_text(mechanism, driven[least])} is within the margin of a singularity: "
-            f"gap {gap(assembly.loop, closed)[least] * 1e3:.2g} mm, singular value {closed.sigma[least]:.3g} "
+            f"gap {gap(branch.loop, closed)[least] * 1e3:.2g} mm, singular value {closed.sigma[least]:.3g} "
             f"(margin {mechanism.singularity:g})",
             where=mechanism.name,
-            hint=advice(mechanism, assembly),
+            hint=advice(mechanism, branch),
         )
     return closed
 
 
-def transmission_of(assembly: Assembly, closed: Closed, shape: tuple[int, ...]) -> Array:
+def transmission_of(branch: Branch, closed: Closed, shape: tuple[int, ...]) -> Array:
     """dq/dq_driven (N, nv, nd) in the rows of dependent joints."""
-    loop = assembly.loop
+    loop = branch.loop
     follow_up = closed.rate * loop.columns[loop.dependent][:, None] / loop.columns[loop.driven]
     part = np.zeros((len(closed.q), *shape[1:]))
-    part[:, loop.dependent[:, None], assembly.places] = follow_up
+    part[:, loop.dependent[:, None], branch.places] = follow_up
     return part

@@ -9,7 +9,7 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import InputError
-from equipoise.loops.close import assembly_of
+from equipoise.loops.close import branch_of
 from equipoise.loops.constraints import Connect, Couple, Equality, Weld
 from equipoise.loops.posture import Evaluator, Pose, ancestors, cross, quat_product
 
@@ -27,10 +27,10 @@ def accelerations(mechanism: Mechanism, q: Array, velocity: Array, cdof_dot: Arr
     q (N, nq) are closed postures, velocity (N, nv) keeps them closed, cdof_dot (N, nv, 6) are the rates of the
     motion axes; start (N, nv) carries the driven joints' accelerations and is corrected in the dependent joints.
     """
-    assembly = assembly_of(mechanism)
-    if assembly is None:
+    branch = branch_of(mechanism)
+    if branch is None:
         return start
-    loop, evaluate = assembly.loop, Evaluator(mechanism.model)
+    loop, evaluate = branch.loop, Evaluator(mechanism.model)
     found = start.copy()
     for first in range(0, len(q), _CHUNK):
         part = slice(first, first + _CHUNK)

@@ -10,8 +10,8 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import LoopError
-from equipoise.loops.assembly import Assembly
-from equipoise.loops.close import assembly_of, checked, close_loops, refined, transmission_of
+from equipoise.loops.branch import Branch
+from equipoise.loops.close import branch_of, checked, close_loops, refined, transmission_of
 from equipoise.loops.messages import blocked_way
 from equipoise.loops.posture import Evaluator
 from equipoise.loops.roadmap import Blocked
@@ -44,13 +44,13 @@ def close_motion(mechanism: Mechanism, motion: Motion, time: Array) -> tuple[Arr
     which the loops do not close or become singular.
     """
     driven = checked(mechanism, motion.at(time)[0])
-    assembly = assembly_of(mechanism)
-    if assembly is None:
+    branch = branch_of(mechanism)
+    if branch is None:
         return close_loops(mechanism, driven)
     model, joints = mechanism.model, mechanism.driven_ids
     evaluate = Evaluator(model)
-    knots = _knots(mechanism, assembly, evaluate, motion)
-    q = np.tile(assembly.home.q[0], (len(time), 1))
+    knots = _knots(mechanism, branch, evaluate, motion)
+    q = np.tile(branch.home.q[0], (len(time), 1))
     q[:, model.jnt_qposadr[joints]] = driven
     transmission = np.zeros((len(time), model.nv, len(joints)))
     transmission[:, model.jnt_dofadr[joints], np.arange(len(joints))] = 1.0
@@ -60,23 +60,23 @@ def close_motion(mechanism: Mechanism, motion: Motion, time: Array) -> tuple[Arr
         wanted = driven[part][np.unique(back, return_index=True)[1]]
         parent = np.clip(np.searchsorted(knots.time, instants, side="right") - 1, 0, len(knots.time) - 1)
         start = knots.closed.rows(parent)
-        postures = _reached(mechanism, assembly, evaluate, (start, knots.driven[parent], knots.time[parent]),
+        postures = _reached(mechanism, branch, evaluate, (start, knots.driven[parent], knots.time[parent]),
                             (wanted, instants)).q  # fmt: skip
         postures[:, model.jnt_qposadr[joints]] = wanted
-        closed = refined(mechanism, assembly, evaluate, postures, wanted)
+        closed = refined(mechanism, branch, evaluate, postures, wanted)
         q[part] = closed.q[back]
-        transmission[part] += transmission_of(assembly, closed, (1, *transmission.shape[1:]))[back]
+        transmission[part] += transmission_of(branch, closed, (1, *transmission.shape[1:]))[back]
     return q, transmission
 
 
-def _knots(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, motion: Motion) -> Knots:
+def _knots(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, motion: Motion) -> Knots:
     known = _known.get(motion)
     if known is not None and known[0]() is mechanism:
         return known[1]
-    loop, model = assembly.loop, mechanism.model
+    loop, model = branch.loop, mechanism.model
     fine = np.linspace(motion.start, motion.end, FINE)
     way = checked(mechanism, motion.at(fine)[0])
-    scaled = way[:, assembly.places] / loop.columns[loop.driven]
+    scaled = way[:, branch.places] / loop.columns[loop.driven]
     length = np.r_[0.0, np.cumsum(np.abs(np.diff(scaled, axis=0)).max(axis=1, initial=0.0))]
     marks = np.unique(np.searchsorted(length, np.arange(0.0, length[-1] + STRIDE, STRIDE)).clip(0, FINE - 1))
     time, driven = fine[marks], way[marks]
@@ -88,7 +88,7 @@ def _knots(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, motion
     found = closed
     for k in range(1, len(marks)):
         here = (closed, driven[k - 1 : k], time[k - 1 : k])
-        closed = _reached(mechanism, assembly, evaluate, here, (driven[k : k + 1], time[k : k + 1]))
+        closed = _reached(mechanism, branch, evaluate, here, (driven[k : k + 1], time[k : k + 1]))
         found = found.join(closed)
     knots = Knots(time, driven, found)
     _known[motion] = (weakref.ref(mechanism), knots)
@@ -97,25 +97,25 @@ def _knots(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, motion
 
 def _reached(
     mechanism: Mechanism,
-    assembly: Assembly,
+    branch: Branch,
     evaluate: Evaluator,
     start: tuple[Closed, Array, Array],
     goal: tuple[Array, Array],
 ) -> Closed:
     """Walk from closed postures with their driven positions and times to driven positions at later times."""
-    loop, scale = assembly.loop, assembly.loop.columns[assembly.loop.driven]
+    loop, scale = branch.loop, branch.loop.columns[branch.loop.driven]
     closed, begin, since = start
     wanted, until = goal
-    span = (wanted - begin)[:, assembly.places] / scale
+    span = (wanted - begin)[:, branch.places] / scale
     done = walk(loop, evaluate, closed, span)
     if not done.arrived.all():
         row = int(np.flatnonzero(~done.arrived)[0])
-        stop = begin[row, assembly.places] / scale + done.wall[row] * span[row]
+        stop = begin[row, branch.places] / scale + done.wall[row] * span[row]
         ahead = (1.0 - done.share[row]) * span[row]
         last = done.closed.rows(np.array([row]))
         blocked = Blocked(0, last, ahead, stop, float(done.lowest[row]), 0)
         time = since[row] + done.wall[row] * (until[row] - since[row])
-        raise _at(blocked_way(mechanism, assembly, evaluate, blocked, wanted[row]), time, "the motion stops")
+        raise _at(blocked_way(mechanism, branch, evaluate, blocked, wanted[row]), time, "the motion stops")
     return done.closed
 
 

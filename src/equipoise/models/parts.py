@@ -12,7 +12,7 @@ import numpy as np
 
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, compile_spec
-from equipoise.units import Acceleration, Inertia, Length
+from equipoise.units import Acceleration, Length
 
 Gravity = tuple[Acceleration, Acceleration, Acceleration]
 Planar = tuple[Length, Length]
