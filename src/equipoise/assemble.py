@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from equipoise.affine import Affine, Array, Block, merge_unknowns
+from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.flywheel import Flywheel
+from equipoise.balancers.shapes import Plate, Solid
 from equipoise.balancers.spring import STORAGE, Spring
 from equipoise.errors import InputError
-from equipoise.limits import Limit, Setting, implied
+from equipoise.limits import Limit, MassCap, Setting, implied, realisable
 from equipoise.mechanism import Mechanism
-from equipoise.objective import Aim
+from equipoise.objective import ORIGIN, Aim, joint_goal, pole_of
 from equipoise.solve.program import Program
-from equipoise.states import States
+from equipoise.states import States, skew
 from equipoise.sweep import Sweep
 
-Balancer = Spring | Counterweight
+Balancer = Spring | Counterweight | CounterRotor | Flywheel
 
 
 def check(mechanism: Mechanism, balancers: Sequence[Balancer]) -> None:
@@ -46,12 +49,68 @@ def _kind(balancer: Balancer) -> type:
     return type(balancer.law) if isinstance(balancer, Spring) else type(balancer)
 
 
-def effort(mechanism: Mechanism, balancers: Sequence[Balancer], states: States, goal: str = "hold") -> Affine:
-    """The whole residual of a goal: the mechanism's share plus every balancer's."""
+def effort(
+    mechanism: Mechanism,
+    balancers: Sequence[Balancer],
+    states: States,
+    goal: str = "hold",
+    pole: Sequence[float] = ORIGIN,
+) -> Affine:
+    """The whole residual of a goal: the mechanism's share plus every balancer's.
+
+    A moment is counted about the pole (world axes, m), M_o = M - o x F, and then relieved by flywheels.
+    """
     total = mechanism.effort(states, goal)
     for balancer in balancers:
         total = total + balancer.effort(states, goal)
+    if goal != "moment":
+        return total
+    if any(pole):
+        force = effort(mechanism, balancers, states, "force").expand(total.unknowns)
+        lever = skew(np.asarray(pole, dtype=float))
+        A = total.A - np.einsum("ij,...njp->...nip", lever, force.A)
+        total = replace(total, b=total.b - force.b @ lever.T, A=A)
+    for balancer in balancers:
+        if isinstance(balancer, Flywheel):
+            total = balancer.relieve(total)
     return total
+
+
+def settled(balancers: Sequence[Balancer], values: Mapping[str, float]) -> tuple[Balancer, ...]:
+    """The balancers with whatever found its place fixed there, so that every goal can be answered."""
+    return tuple(b.settled(values) if isinstance(b, Counterweight) else b for b in balancers)
+
+
+def account(
+    mechanism: Mechanism, balancers: Sequence[Balancer], states: States, objective: Sequence[Aim]
+) -> tuple[Affine, ...]:
+    """What a design reports of its states: efforts of the driven joints and, in motion, force and moment."""
+    moving = states.rates is not None
+    parts = [effort(mechanism, balancers, states, joint_goal(objective, moving))]
+    if moving:
+        pole = pole_of(objective)
+        parts += [effort(mechanism, balancers, states, goal, pole) for goal in ("force", "moment")]
+    return tuple(parts)
+
+
+def reported(parts: Sequence[Affine], values: Mapping[str, float]) -> tuple[tuple[Block, ...], Array]:
+    """Blocks and residual (N, R) of an account at values of the unknowns."""
+    rows = [part.at(np.array([values[u.name] for u in part.unknowns])) for part in parts]
+    return tuple(block for part in parts for block in part.blocks), np.concatenate(rows, axis=-1)
+
+
+def without_wheels(
+    mechanism: Mechanism,
+    balancers: Sequence[Balancer],
+    states: States,
+    values: Mapping[str, float],
+    pole: Sequence[float],
+) -> tuple[Array, Array]:
+    """Moment and angular momentum (N, 3) about a pole of all but the flywheels."""
+    others = [balancer for balancer in balancers if not isinstance(balancer, Flywheel)]
+    moving = (effort(mechanism, others, at, "moment", pole) for at in (states, states.momenta))
+    moment, momentum = (part.at(np.array([values[u.name] for u in part.unknowns])) for part in moving)
+    return moment, momentum
 
 
 def storage(balancers: Sequence[Balancer], states: States) -> Affine:
@@ -75,16 +134,37 @@ def build(
     limits: Sequence[Limit] = (),
 ) -> Program:
     """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry."""
-    hold = effort(mechanism, balancers, states)
 
     def hold_at(poses: Array) -> Affine:
         return effort(mechanism, balancers, mechanism.states(sweep.at_poses(poses)))
 
+    _insist_on_caps(balancers, objective, limits)
     setting = Setting({balancer.name: balancer for balancer in balancers}, states, hold_at)
     rows = [row for limit in limits for row in limit.rows(setting)]
     rows += implied(balancers, setting)
-    terms = tuple(aim.term(mechanism, hold, states.weight) for aim in objective)
-    return Program(hold.unknowns, terms, tuple(row.expand(hold.unknowns) for row in rows))
+    unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
+    terms = []
+    for aim in objective:
+        whole = effort(mechanism, balancers, states, aim.goal, aim.pole).expand(unknowns)
+        bare = whole if aim.divisor != "before" else effort(mechanism, (), states, aim.goal, aim.pole)
+        terms.append(aim.term(mechanism, whole, bare, states.weight))
+    definite = tuple(one.expand(unknowns) for one in realisable(balancers))
+    return Program(unknowns, tuple(terms), tuple(row.expand(unknowns) for row in rows), definite)
+
+
+def _insist_on_caps(balancers: Sequence[Balancer], objective: Sequence[Aim], limits: Sequence[Limit]) -> None:
+    """A body of given first moment and vanishing inertia has infinite mass: something must keep the mass down."""
+    if not {"moment", "drive"} & {aim.goal for aim in objective} or any(aim.goal == "mass" for aim in objective):
+        return
+    kept = {limit.counterweight for limit in limits if isinstance(limit, MassCap)}
+    for balancer in balancers:
+        free = isinstance(balancer, Counterweight) and isinstance(balancer.shape, Plate | Solid)
+        if free and balancer.mass is None and balancer.owner not in kept and balancer.name not in kept:
+            raise InputError(
+                f"nothing keeps the mass of {balancer.name} down: small inertia at a given first moment asks for ever more",
+                where=f"counterweight {balancer.name}",
+                hint=f"add the limit {{mass: {balancer.name}, max: 2 kg}}, or an aim {{goal: mass, cap: 2 kg}}",
+            )
 
 
 def thrift(program: Program, balancers: Sequence[Balancer], states: States, value: float) -> Program:
@@ -97,6 +177,7 @@ def thrift(program: Program, balancers: Sequence[Balancer], states: States, valu
         norm="peak",
         b=stored.b,
         A=stored.A,
+        weight=np.ones(stored.b.shape[-2]),
         sizes=(1,) * len(stored.blocks),
         factor=1.0,
         cap=None,

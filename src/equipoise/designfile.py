@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from equipoise.affine import Array
-from equipoise.assemble import effort
+from equipoise.affine import merge_unknowns
+from equipoise.assemble import Balancer, account, reported, settled
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import ProblemError
 from equipoise.parameters import unit_of, write
 from equipoise.problem import Problem, problem_of
 from equipoise.states import States
-from equipoise.verbs.analyze import table
+from equipoise.verbs.analyze import Account, table
 from equipoise.yamlfile import Document
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -50,15 +50,14 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
             raise ProblemError(f"geometry {parameter!r} is not in the problem's `shape`", where=name)
     balancers = write(problem.balancers, geometry)
     states = problem.mechanism.states(problem.sweep)
-    whole = effort(problem.mechanism, balancers, states)
-    missing = [unknown.name for unknown in whole.unknowns if unknown.name not in values]
+    unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
+    missing = [unknown.name for unknown in unknowns if unknown.name not in values]
     if missing:
         raise ProblemError(f"there is no value for {', '.join(missing)}", where=f"{name}, unknowns")
-    ordered = {unknown.name: values[unknown.name] for unknown in whole.unknowns}
-    theta = np.array(list(ordered.values()))
+    ordered = {unknown.name: values[unknown.name] for unknown in unknowns}
 
-    def residual(other: States) -> Array:
-        return effort(problem.mechanism, balancers, other).at(theta)
+    def told(parts: tuple[Balancer, ...]) -> Account:
+        return lambda other: reported(account(problem.mechanism, parts, other, problem.objective), ordered)
 
     mechanism, sweep = problem.mechanism, problem.sweep
     design = Design(
@@ -69,9 +68,9 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         objective=problem.objective,
         limits=problem.limits,
         values=ordered,
-        units={u.name: u.unit for u in whole.unknowns} | {g: unit_of(balancers, g) for g in geometry},
-        before=table(mechanism, sweep, states, states.holding, lambda other: other.holding),
-        after=table(mechanism, sweep, states, whole.at(theta), residual),
+        units={u.name: u.unit for u in unknowns} | {g: unit_of(balancers, g) for g in geometry},
+        before=table(mechanism, sweep, states, told(())),
+        after=table(mechanism, sweep, states, told(settled(balancers, ordered))),
         certificate=_certificate(data.get("certificate"), name),
         geometry=geometry,
         bounds={parameter: problem.bounds[parameter] for parameter in geometry},

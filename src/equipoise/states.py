@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -90,13 +90,14 @@ def rates(mechanism: Mechanism, q: Array, transmission: Array, driven: tuple[Arr
 class Placement:
     """A body's frame X (N, 3, 4) = [R | o] with its first two time derivatives: a point x = (r, 1) is at X x.
 
-    slope (N, nd, 3, 4) is dX/dq_driven; push (N, 3) is the angular acceleration.
+    slope (N, nd, 3, 4) is dX/dq_driven; spin and push (N, 3) are angular velocity and acceleration.
     """
 
     frame: Array
     speed: Array
     bend: Array
     slope: Array
+    spin: Array
     push: Array
 
 
@@ -179,6 +180,18 @@ class States:
             )
         return self.rates
 
+    @property
+    def momenta(self) -> States:
+        """The same states with velocities in the place of accelerations: `force` and `moment` then answer p and L.
+
+        F = dp/dt and p are the same linear function of Xddot and of Xdot.
+        """
+        places = {}
+        for body in range(self.mechanism.model.nbody):
+            place = self.placement(self.mechanism.model.body(body).name)
+            places[body] = replace(place, bend=place.speed, push=place.spin)
+        return replace(self, _placements=places)
+
     def carried(self, body: int) -> bool:
         """Whether any joint moves a body (by number)."""
         return bool(ancestors(self.mechanism.model, body))
@@ -217,7 +230,7 @@ class States:
         if not dofs:
             none = np.zeros((len(self), 3, 4))
             return Placement(np.concatenate([turn, origin[..., None]], axis=2), none, none,
-                             np.zeros((len(self), self.driven.shape[1], 3, 4)), none[..., 0])  # fmt: skip
+                             np.zeros((len(self), self.driven.shape[1], 3, 4)), none[..., 0], none[..., 0])  # fmt: skip
         axes, v = kin.cdof[:, dofs], moving.velocity[:, dofs, None]
         twist = (axes * v).sum(axis=1)
         rate = (axes * moving.acceleration[:, dofs, None] + moving.cdof_dot[:, dofs] * v).sum(axis=1)
@@ -237,6 +250,7 @@ class States:
             joined(spin @ turn, velocity),
             joined((push + spin @ spin) @ turn, acceleration),
             joined(along @ turn[:, None], steer),
+            twist[:, :3],
             rate[:, :3],
         )
 

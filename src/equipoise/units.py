@@ -33,7 +33,7 @@ Power = Annotated[float, Quantity("W")]
 Time = Annotated[float, Quantity("s")]
 Number = Annotated[float, Quantity("")]
 Joint = Annotated[float, Quantity("rad or m")]
-Effort = Annotated[float, Quantity("N m or N or ratio")]
+Effort = Annotated[float, Quantity("N m or N or kg or ratio")]
 
 
 class Measured(float):

@@ -2,7 +2,7 @@
 
 from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
-from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
+from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied, realisable
 
 __all__ = [
     "ExactAt",
@@ -15,4 +15,5 @@ __all__ = [
     "Stiffness",
     "Stroke",
     "implied",
+    "realisable",
 ]

@@ -10,11 +10,11 @@ import numpy as np
 
 from equipoise import units
 from equipoise.affine import Array, Unknown
-from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.counterweight import MOMENTS, Counterweight
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.limits.limit import Setting
-from equipoise.solve.program import Rows
+from equipoise.solve.program import Definite, Rows
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ class Stiffness:
 
 @dataclass(frozen=True)
 class MassCap:
-    """m <= max of a counterweight's mass, kg; a free place also stays within its reach."""
+    """m <= max of a counterweight's mass, kg; a free place also stays within its reach. For all masses: goal `mass`."""
 
     counterweight: str
     max: units.Mass
@@ -126,9 +126,47 @@ def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tu
     for balancer in balancers:
         if isinstance(balancer, Spring):
             rows += _closed(balancer, setting)
-        elif balancer.reach is not None:
-            rows += _reach(balancer)
+        elif isinstance(balancer, Counterweight) and balancer.reach is not None:
+            rows += _room(balancer) if balancer.second else _reach(balancer)
     return tuple(rows)
+
+
+def realisable(balancers: Iterable[Any]) -> tuple[Definite, ...]:
+    """What mass parameters a body can have: [[S, m r], [m r', m]] semidefinite, in kg over the reach.
+
+    A Plate has S = J times the identity of its plane, which is m J >= |m r|^2.
+    """
+    found = []
+    for weight in balancers:
+        if not isinstance(weight, Counterweight) or not weight.second:
+            continue
+        axes = [*weight.directions, 3]
+        size = len(axes)
+        basis = [np.zeros((size, size)) for _ in weight.unknowns]
+        names = [unknown.name for unknown in weight.unknowns]
+        known = np.zeros((size, size))
+        heavy = known if weight.mass is not None else basis[0]
+        heavy[-1, -1] = 1.0 if weight.mass is None else weight.mass
+        for place, i in enumerate(weight.directions):
+            moment = basis[names.index(f"{weight.owner}.{MOMENTS[i]}")]
+            moment[place, -1] = moment[-1, place] = 1.0 / weight.reach
+        for name, spread in weight.second:
+            part = np.eye(size - 1) if name == "J" else spread[np.ix_(axes[:-1], axes[:-1])]
+            basis[names.index(f"{weight.owner}.{name}")][:-1, :-1] = part / weight.reach**2
+        found.append(Definite(f"mass parameters of {weight.name}", np.array(basis), known, weight.unknowns))
+    return tuple(found)
+
+
+def _room(weight: Counterweight) -> list[Rows]:
+    """Second moments of at most m reach^2: all mass lies within the reach."""
+    G = np.array([[float(np.trace(dict(weight.second).get(u.name.rpartition(".")[2], np.zeros((3, 3))))) for u in
+                   weight.unknowns]])  # fmt: skip
+    square = weight.reach**2
+    limit = f"reach of {weight.name} ({units.text(weight.reach, 'm')})"
+    if weight.mass is not None:
+        return [Rows(limit, "kg m^2", G, np.array([weight.mass * square]), weight.unknowns, scale=square)]
+    G[0, 0] = -square
+    return [Rows(limit, "kg m^2", G, np.zeros(1), weight.unknowns, scale=square)]
 
 
 def _closed(spring: Spring, setting: Setting) -> list[Rows]:

@@ -70,6 +70,10 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
         price = multiplier if rows.equality else np.maximum(multiplier, 0.0)
         rows_at.append(columns.add(rows.G[chosen], -rows.h[chosen], price))
     P = len(theta)
+    definite_at = [
+        columns.add(-one.S.reshape(P, -1).T, -one.S0.ravel(), Z.ravel())
+        for one, Z in zip(program.definite, answer.definite, strict=True)
+    ]
     lower = columns.add(
         -np.eye(P), np.where(np.isfinite(program.lower), program.lower, 0.0), np.maximum(answer.lower, 0)
     )
@@ -87,6 +91,8 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
     one_sided = [k for k, rows in zip(rows_at, program.rows, strict=True) if not rows.equality] + [lower, upper]
     for k in one_sided:
         parts[k] = np.maximum(parts[k], 0.0)
+    for k in definite_at:
+        parts[k] = _semidefinite(parts[k])
     size = np.concatenate(parts)
     leftover, gain = size @ slope, 0.0
     norms = [_dual_norm(t, working, parts[i], answer, i) for i, t in enumerate(program.terms)]
@@ -98,10 +104,19 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
     prices: dict[str, float] = {}
     for k, rows in zip(rows_at, program.rows, strict=True):
         prices[rows.limit] = prices.get(rows.limit, 0.0) + float(np.abs(parts[k]).sum() / excess)
+    for k, one in zip(definite_at, program.definite, strict=True):
+        prices[one.limit] = prices.get(one.limit, 0.0) + float(np.abs(parts[k]).sum() / excess)
     share = {t.name: _shares(t, working, answer, i) for i, t in enumerate(program.terms)}
     multipliers = Multipliers(prices, parts[lower] / excess, parts[upper] / excess, share)
     # Zero residual bounds every norm from below.
     return Gap(primal, max(dual, 0.0), program.violation(theta)), multipliers
+
+
+def _semidefinite(flat: Array) -> Array:
+    """The nearest positive semidefinite matrix, flat as it came."""
+    k = int(round(len(flat) ** 0.5))
+    values, vectors = np.linalg.eigh(flat.reshape(k, k))
+    return ((vectors * np.maximum(values, 0.0)) @ vectors.T).ravel()
 
 
 def _term_columns(columns: _Columns, term: Term, working: Working, answer: Answer, i: int) -> None:

@@ -112,11 +112,17 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
             linear.add([0.0], (0, level, -1.0), (0, first[i] + np.arange(len(weights)), weights))
         term_places.append(place)
 
-    solution = _clarabel(cost, (equal, linear, second), sizes, width)
+    spectral = _Cone()
+    spectral_places = [
+        spectral.add(triangle(one.S0), spectral.dense(-triangle(one.S).T * scale)) for one in program.definite
+    ]
+    orders = [len(one.S0) for one in program.definite]
+    solution = _clarabel(cost, (equal, linear, second, spectral), sizes, orders, width)
     if "Infeasible" in str(solution.status):
         return Answer(False, np.zeros(P))
     x, z = np.array(solution.x), np.array(solution.z) * max(np.abs(cost).max(), TINY)
     begin = {equal: 0, linear: equal.count, second: equal.count + linear.count}
+    begin[spectral] = begin[second] + second.count
 
     def dual(cone: _Cone, place: slice) -> Array:
         return z[begin[cone] + place.start : begin[cone] + place.stop]
@@ -136,11 +142,33 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
         answer.level.append(float(multiplier[0]) if term.norm == "rms" else 0.0)
         answer.y.append(np.zeros(0) if term.norm == "rms" else -multiplier[np.arange(len(sample)) + sample + 1])
         answer.cap.append(float(dual(linear, cap)[0]) / load if cap is not None else 0.0)
+    answer.definite = [
+        square(dual(spectral, place), k) for place, k in zip(spectral_places, orders, strict=True)
+    ]
     answer.excess = float(max(0.0, x[excess])) if elastic is not None else 0.0
     return answer
 
 
-def _clarabel(cost: Array, cones: tuple[_Cone, _Cone, _Cone], sizes: list[int], width: int) -> Any:
+def triangle(matrix: Array) -> Array:
+    """Upper triangle (..., k (k + 1) / 2) of symmetric matrices, column by column, with its scalar product kept."""
+    i, j = _upper(matrix.shape[-1])
+    return matrix[..., i, j] * np.where(i == j, 1.0, np.sqrt(2.0))
+
+
+def square(values: Array, k: int) -> Array:
+    """The symmetric matrix (k, k) behind a triangle."""
+    i, j = _upper(k)
+    matrix = np.zeros((k, k))
+    matrix[i, j] = matrix[j, i] = values / np.where(i == j, 1.0, np.sqrt(2.0))
+    return matrix
+
+
+def _upper(k: int) -> tuple[Array, Array]:
+    j, i = np.tril_indices(k)
+    return i, j
+
+
+def _clarabel(cost: Array, cones: tuple[_Cone, ...], sizes: list[int], orders: list[int], width: int) -> Any:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
@@ -154,5 +182,6 @@ def _clarabel(cost: Array, cones: tuple[_Cone, _Cone, _Cone], sizes: list[int], 
     kinds: list[Any] = [clarabel.ZeroConeT(cones[0].count)] if cones[0].count else []
     kinds += [clarabel.NonnegativeConeT(cones[1].count)] if cones[1].count else []
     kinds += [clarabel.SecondOrderConeT(size) for size in sizes]
+    kinds += [clarabel.PSDTriangleConeT(order) for order in orders]
     price = cost / max(np.abs(cost).max(), TINY)
     return clarabel.DefaultSolver(sparse.csc_matrix((width, width)), price, A, b, kinds, settings).solve()

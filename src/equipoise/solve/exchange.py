@@ -115,6 +115,7 @@ def _plain_answer(program: Program, theta: Array) -> Answer:
         answer.cap.append(0.0)
         answer.level.append(term.factor if term.value(theta) > 0 else 0.0)
     answer.row = [np.zeros(0) for _ in program.rows]
+    answer.definite = [np.zeros_like(one.S0) for one in program.definite]
     return answer
 
 

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.assemble import account, reported
+from equipoise.affine import Array, Block
 from equipoise.design import Row
 from equipoise.mechanism import Mechanism
 from equipoise.peaks import polish
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
-Evaluate = Callable[[States], Array]
+Account = Callable[[States], tuple[Sequence[Block], Array]]
 
 WORTH_SHARE = 0.1
 WORTH_MOTOR = 0.02
@@ -40,7 +41,7 @@ class Analysis:
             "mass": self.mechanism.mass,
             "sweep": self.sweep.describe(),
             "rows": {
-                joint: row.json() | {"worth_a_spring": not self.reasons[joint], "reason": self.reasons[joint]}
+                joint: row.json() | {"worth_a_spring": joint in self.worth, "reason": self.reasons.get(joint, "")}
                 for joint, row in self.rows.items()
             },
             "audit": list(self.mechanism.remarks),
@@ -53,15 +54,20 @@ class Analysis:
 
 
 def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
-    """Holding effort of every driven joint over a sweep (default: 2048 Sobol poses over the joint limits).
+    """Effort of every driven joint over a sweep (default: 2048 Sobol poses over the joint limits), also force and moment.
 
+    Over poses it is what motors hold; over a motion what they supply, inertia included, and the wrench of the
+    base on the mechanism is told beside it (moment about the world origin).
     A joint is not worth a spring where gravity loads it with less than 10 % of the largest effort of its
     unit and less than 2 % of its motor limit. Peaks are polished between the samples.
     """
     sweep = sweep or Sweep.sobol(mechanism)
     states = mechanism.states(sweep)
-    rows = table(mechanism, sweep, states, states.holding, lambda other: other.holding)
-    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, rows) for joint in rows})
+    rows = table(mechanism, sweep, states, lambda other: reported(account(mechanism, (), other, ()), {}))
+    loads = {joint: rows[joint] for joint in mechanism.driven}
+    if states.rates is not None:
+        loads = table(mechanism, sweep, states, lambda other: (mechanism.driven_blocks, other.holding))
+    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads})
 
 
 def _reason(joint: str, rows: dict[str, Row]) -> str:
@@ -79,26 +85,34 @@ def _reason(joint: str, rows: dict[str, Row]) -> str:
     return ""
 
 
-def table(mechanism: Mechanism, sweep: Sweep, states: States, residual: Array, evaluate: Evaluate) -> dict[str, Row]:
-    """Rows of a residual (N, nd): norms over the sweep's weights, peaks polished with evaluate(states) -> (N, nd)."""
+def table(mechanism: Mechanism, sweep: Sweep, states: States, account: Account) -> dict[str, Row]:
+    """A row per block of an account (states) -> (blocks, residual): norms over the sweep's weights, peaks polished."""
     weight = states.weight / states.weight.sum()
-    limits = mechanism.motor_limits
-    magnitude = np.abs(residual).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    peaks = polish(lambda poses: worst(mechanism, sweep, poses, evaluate), sweep.poses, magnitude, sweep.box)
+    blocks, residual = account(states)
+    magnitude = magnitudes(blocks, residual)
+    sampled = magnitude.reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
+    peaks = polish(lambda found: worst(mechanism, sweep, found, account), sweep.coordinates, sampled, sweep.region)
+    limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True))
     return {
-        joint: Row(
+        block.name: Row(
             peak=float(peaks.value[i]),
             sample_peak=float(peaks.sample[i]),
-            rms=float(np.sqrt(weight @ residual[:, i] ** 2)),
-            mean=float(weight @ np.abs(residual[:, i])),
-            unit=mechanism.driven_units[i],
-            limit=float(limits[i]) if np.isfinite(limits[i]) else None,
+            rms=float(np.sqrt(weight @ magnitude[:, i] ** 2)),
+            mean=float(weight @ magnitude[:, i]),
+            unit=block.unit,
+            limit=float(limits[block.name]) if np.isfinite(limits.get(block.name, np.inf)) else None,
         )
-        for i, joint in enumerate(mechanism.driven)
+        for i, block in enumerate(blocks)
     }
 
 
-def worst(mechanism: Mechanism, sweep: Sweep, poses: Array, evaluate: Evaluate) -> Array:
-    """Magnitudes (M, nd) at poses (M, nd), the worst over the payload scenarios."""
-    states = mechanism.states(sweep.at_poses(poses))
-    return np.abs(evaluate(states)).reshape(len(sweep.scenarios), len(poses), -1).max(axis=0)
+def worst(mechanism: Mechanism, sweep: Sweep, coordinates: Array, account: Account) -> Array:
+    """Block norms (M, B) at coordinates (M, c) of the sweep, the worst over the payload scenarios."""
+    blocks, residual = account(mechanism.states(sweep.at(coordinates)))
+    return magnitudes(blocks, residual).reshape(len(sweep.scenarios), len(coordinates), -1).max(axis=0)
+
+
+def magnitudes(blocks: Sequence[Block], residual: Array) -> Array:
+    """Euclidean norm (N, B) of every block of a residual (N, R)."""
+    starts = np.cumsum([0, *(block.size for block in blocks[:-1])])
+    return np.sqrt(np.add.reduceat(residual**2, starts, axis=-1))

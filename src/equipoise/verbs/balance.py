@@ -7,19 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array, Unknown
-from equipoise.assemble import Balancer, build, check, effort, thrift
+from equipoise.affine import Array, Block, Unknown
+from equipoise.assemble import Balancer, account, build, check, effort, reported, settled, thrift
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import InfeasibleError, InputError
 from equipoise.limits import Limit
+from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
-from equipoise.objective import Aim, as_objective
+from equipoise.motion.moves import Free
+from equipoise.objective import JOINT_GOALS, Aim, as_objective
 from equipoise.peaks import polish
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.verbs.analyze import table, worst
+from equipoise.verbs.analyze import magnitudes, table, worst
 
 EXACT = 1e-9
 ROUNDS = 12
@@ -51,9 +53,16 @@ class Balanced:
     solution: Solution
     refined: int
 
-    def residual(self, states: States) -> Array:
-        """Holding effort (N, nd) with the solution's values, at any states."""
-        return effort(self.task.mechanism, self.task.balancers, states).at(self.solution.theta)
+    @property
+    def values(self) -> dict[str, float]:
+        """The solution by name."""
+        return {u.name: float(v) for u, v in zip(self.program.unknowns, self.solution.theta, strict=True)}
+
+    def account(self, states: States) -> tuple[tuple[Block, ...], Array]:
+        """Blocks and residual (N, R) that the design reports, with the solution's values, at any states."""
+        task = self.task
+        fixed = settled(task.balancers, self.values)
+        return reported(account(task.mechanism, fixed, states, task.objective), self.values)
 
 
 def balance(
@@ -158,23 +167,31 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
                     scale=max(abs(theta[index]), abs(bound), 1e-9),
                 )
             )
-    return theta + solve(Program(moves, (term,), tuple(rows))).theta @ directions
+    definite = tuple(
+        replace(one, S=np.tensordot(directions, one.S, axes=1), S0=one.matrix(theta), unknowns=moves)
+        for one in lean.definite
+    )
+    return theta + solve(Program(moves, (term,), tuple(rows), definite)).theta @ directions
 
 
 def _between(task: Task, states: States, program: Program, solution: Solution) -> Array:
     """Poses between the samples whose peak exceeds the solved one; none for grids, lists and other norms."""
     aims = [aim for aim in task.objective if aim.cap is None]
-    if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak":
-        return np.zeros((0, states.driven.shape[1]))
-    columns = [task.mechanism.driven.index(joint) for joint in aims[0].counted(task.mechanism)]
-    scale = aims[0].scales(task.mechanism)
+    if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak" or aims[0].goal == "mass":
+        return np.zeros((0, task.sweep.coordinates.shape[1]))
+    aim, bare = aims[0], task.mechanism.effort(states, aims[0].goal)
 
-    def residual(other: States) -> Array:
-        return effort(task.mechanism, task.balancers, other).at(solution.theta)[:, columns] * scale
+    def counted(other: States) -> tuple[Sequence[Block], Array]:
+        whole = effort(task.mechanism, task.balancers, other, aim.goal, aim.pole).expand(program.unknowns)
+        term = aim.term(task.mechanism, whole, bare, np.ones(len(bare.b)))
+        return [Block("", "", size) for size in term.sizes], term.residual(solution.theta)
 
-    sampled = np.abs(residual(states)).reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
+    sampled = magnitudes(*counted(states)).reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
     peaks = polish(
-        lambda poses: worst(task.mechanism, task.sweep, poses, residual), task.sweep.poses, sampled, task.sweep.box
+        lambda found: worst(task.mechanism, task.sweep, found, counted),
+        task.sweep.coordinates,
+        sampled,
+        task.sweep.region,
     )
     level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
     load = max(float(np.abs(term.b).max()) for term in program.terms)
@@ -191,8 +208,12 @@ def finish(
 ) -> Design:
     """Put a solved task into words and tables."""
     task, states, unknowns = balanced.task, balanced.states, balanced.program.unknowns
-    before = table(task.mechanism, task.sweep, states, states.holding, lambda other: other.holding)
-    after = table(task.mechanism, task.sweep, states, balanced.residual(states), balanced.residual)
+
+    def bare(other: States) -> tuple[tuple[Block, ...], Array]:
+        return reported(account(task.mechanism, (), other, task.objective), {})
+
+    before = table(task.mechanism, task.sweep, states, bare)
+    after = table(task.mechanism, task.sweep, states, balanced.account)
     return Design(
         mechanism=task.mechanism,
         balancers=task.balancers,
@@ -215,8 +236,7 @@ def finish(
 def certify(balanced: Balanced) -> Certificate:
     """The certificate of a fixed geometry: `exact` where nothing is left, also off the grid, else `convex`."""
     task, program, solution = balanced.task, balanced.program, balanced.solution
-    aim = next(aim for aim in task.objective if aim.cap is None)
-    unit = aim.unit(task.mechanism)
+    unit = unit_of(task)
     primal = program.objective(solution.theta)
     return Certificate(
         kind="exact" if is_exact(balanced) else "convex",
@@ -230,21 +250,31 @@ def certify(balanced: Balanced) -> Certificate:
     )
 
 
+def unit_of(task: Task) -> str:
+    """Unit of the objective; a sum over goals of different units says so."""
+    units = list(dict.fromkeys(aim.unit(task.mechanism) for aim in task.objective if aim.cap is None))
+    return units[0] if len(units) == 1 else f"weighted sum of {', '.join(units)}"
+
+
 def is_exact(balanced: Balanced) -> bool:
-    """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other poses of its box."""
-    task, program = balanced.task, balanced.program
-    load = max(program.loads)
-    left = max(float(np.abs(term.residual(balanced.solution.theta)).max()) for term in program.terms)
-    if left > EXACT * load:
+    """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other states of its region."""
+    task, program, theta = balanced.task, balanced.program, balanced.solution.theta
+    loads = [load for term, load in zip(program.terms, program.loads, strict=True) if term.cap is None]
+
+    def vanishes(other: Program) -> bool:
+        terms = [term for term in other.terms if term.cap is None]
+        return all(np.abs(t.residual(theta)).max() <= EXACT * load for t, load in zip(terms, loads, strict=True))
+
+    if not vanishes(program):
         return False
-    if task.sweep.box is None:
+    region = task.sweep.region
+    if region is None:
         return True
-    box = task.sweep.box
-    poses = box[:, 0] + np.random.default_rng(0).random((256, len(box))) * (box[:, 1] - box[:, 0])
-    other = balanced.residual(task.mechanism.states(task.sweep.at_poses(poses)))
-    columns = [task.mechanism.driven.index(joint) for aim in task.objective for joint in aim.counted(task.mechanism)]
-    scale = np.concatenate([aim.scales(task.mechanism) for aim in task.objective])
-    return bool(np.abs(other[:, columns] * scale).max() <= EXACT * load)
+    others = region[:, 0] + np.random.default_rng(0).random((256, len(region))) * (region[:, 1] - region[:, 0])
+    if isinstance(task.sweep.moves, Free):
+        joints = task.mechanism.driven
+        others = others[reachable(task.mechanism, others[:, : len(joints)])]
+    return vanishes(task.program(task.mechanism.states(task.sweep.at(others))))
 
 
 def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Active, ...]:
@@ -252,7 +282,7 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
     found: list[tuple[float, Active]] = []
     scales = {rows.limit: (rows.scale, rows.unit) for rows in program.rows}
     for limit, price in solution.prices.limits.items():
-        scale, limit_unit = scales[limit]
+        scale, limit_unit = scales.get(limit, (1.0, "kg"))  # definite matrices are written in kg
         found.append((price * scale, Active(limit, price, f"{unit} per {limit_unit}")))
     for side, prices, values in (
         (">=", solution.prices.lower, program.lower),
@@ -279,6 +309,8 @@ def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...
     share = balanced.solution.prices.share[mine.name]
     if not balanced.program.unknowns:
         share = mine.magnitudes(mine.b).max(axis=0) >= balanced.solution.objective * (1 - 1e-9)
+    if aim.goal not in JOINT_GOALS:
+        return ()
     joints = aim.counted(balanced.task.mechanism)
     return tuple(
         joint for joint, part, moved in zip(joints, share, reach, strict=True) if part > 0.05 and moved <= EXACT * load
