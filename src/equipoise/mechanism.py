@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from equipoise.states import States
     from equipoise.sweep import Sweep
 
-KEPT_BATCHES = 4
 ANSWERED = ("hold", "drive", "force", "moment", "mass", "energy", "storage")
 """What mechanism and balancers answer of a state."""
 
@@ -50,7 +50,7 @@ class Mechanism:
     remarks: tuple[str, ...] = ()
     singularity: float = 1e-3
     source: Path | None = None
-    _batches: dict[int, Batch] = field(default_factory=dict, repr=False)
+    _batches: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def load(
@@ -149,20 +149,28 @@ class Mechanism:
         """Total mass, kg."""
         return float(self.model.body_mass.sum())
 
-    def batch(self, count: int) -> Batch:
-        """A MuJoCo batch of `count` postures that computes statics only; kept, since building one costs a millisecond.
+    def forward(self, q: Array, velocity: Array | None, names: Sequence[str]) -> list[Array]:
+        """Fields (N, ...) that MuJoCo computes of postures q (N, nq) at velocities (N, nv), on all cores.
 
-        Constraints and contacts are off, potential energy is on.
+        None is at rest. Constraints and contacts are off, potential energy is on. The batch is kept and grows with
+        the largest request, since building one costs a millisecond.
         """
-        kept = self._batches
-        if count not in kept:
+        count, kept = len(q), self._batches
+        if kept.get("size", 0) < count:
             bare = copy.copy(self.model)
             bare.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
             bare.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
-            while len(kept) >= KEPT_BATCHES:
-                kept.pop(next(iter(kept)))
-            kept[count] = Batch(bare, count)
-        return kept[count]
+            size = max(64, count)
+            kept.clear()
+            kept.update(size=size, batch=Batch(bare, size))
+        for name in ("qpos", "qvel", *names):
+            if name not in kept:
+                kept[name] = kept["batch"].bind(name)
+        kept["qpos"][:count] = q
+        kept["qvel"][:count] = 0.0 if velocity is None else velocity
+        stage = int(mujoco.mjtStage.mjSTAGE_VEL)
+        kept["batch"].forward(ids=np.arange(count, dtype=np.int32), stage=stage)
+        return [np.array(kept[name][:count]) for name in names]
 
     def states(self, sweep: Sweep) -> States:
         """Close the loops and do the kinematics of a sweep once."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-import mujoco
 import numpy as np
 
 from equipoise.affine import Array
@@ -37,12 +36,8 @@ class Kinematics:
 
 def kinematics(mechanism: Mechanism, q: Array) -> Kinematics:
     """Forward kinematics, gravity and file springs of all postures on all cores."""
-    batch = mechanism.batch(len(q))
-    batch.bind("qpos")[:] = q
     names = ("xpos", "xmat", "subtree_com", "cdof", "qfrc_bias", "qfrc_spring", "energy")
-    bound = [batch.bind(name) for name in names]
-    batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
-    xpos, xmat, com, cdof, bias, spring, energy = (np.array(array) for array in bound)
+    xpos, xmat, com, cdof, bias, spring, energy = mechanism.forward(q, None, names)
     return Kinematics(
         q=q,
         xpos=xpos,
@@ -74,14 +69,8 @@ def rates(mechanism: Mechanism, q: Array, transmission: Array, driven: tuple[Arr
     """Exact velocities D v and accelerations D a + Ddot v of all dofs, for driven (v, a) (N, nd) each."""
     v, a = driven
     velocity, start = ((transmission @ x[..., None])[..., 0] for x in (v, a))
-    batch = mechanism.batch(len(q))
-    batch.bind("qpos")[:] = q
-    moved = batch.bind("qvel")
-    moved[:] = velocity
-    axes, damper = batch.bind("cdof_dot"), batch.bind("qfrc_damper")
-    batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
-    cdof_dot, damper = np.array(axes).reshape(len(q), -1, 6), np.array(damper)
-    moved[:] = 0.0  # the batch is kept for statics
+    cdof_dot, damper = mechanism.forward(q, velocity, ("cdof_dot", "qfrc_damper"))
+    cdof_dot = cdof_dot.reshape(len(q), -1, 6)
     acceleration = accelerations(mechanism, q, velocity, cdof_dot, start)
     return Rates(v, a, velocity, acceleration, cdof_dot, damper)
 

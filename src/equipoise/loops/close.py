@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _CHUNK = 16384
 _ROUNDING = 1e-11  # dimensionless residual beyond which a posture does not count as closed
+_evaluators: weakref.WeakKeyDictionary[Mechanism, Evaluator] = weakref.WeakKeyDictionary()
 _known: weakref.WeakKeyDictionary[Mechanism, Branch | None] = weakref.WeakKeyDictionary()
 
 
@@ -56,7 +57,7 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     q[:, model.jnt_qposadr[joints]] = driven
     if branch is None or not len(driven):
         return q, selection
-    evaluate = Evaluator(model)
+    evaluate = evaluator_of(mechanism)
     origin = branch.home if start is None else _origin(mechanism, branch, evaluate, start)
     postures = _followed(mechanism, branch, evaluate, origin, driven)
     postures[:, model.jnt_qposadr[joints]] = driven
@@ -79,7 +80,7 @@ def reachable(mechanism: Mechanism, driven: Array) -> NDArray[np.bool_]:
     here = branch.home.q[0, model.jnt_qposadr[model.dof_jntid[loop.driven]]]
     span = (driven[:, branch.places] - here) / loop.columns[loop.driven]
     start = branch.home.rows(np.zeros(len(driven), dtype=int))
-    return walk(loop, Evaluator(model), start, span).arrived
+    return walk(loop, evaluator_of(mechanism), start, span).arrived
 
 
 def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
@@ -92,7 +93,7 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     q = np.atleast_2d(np.asarray(q, dtype=float))
     if branch is None:
         return np.zeros(len(q)), np.full(len(q), np.inf)
-    closed = branch.loop.linearise(Evaluator(mechanism.model), q)
+    closed = branch.loop.linearise(evaluator_of(mechanism), q)
     return gap(branch.loop, closed), closed.sigma
 
 
@@ -101,6 +102,13 @@ def branch_of(mechanism: Mechanism) -> Branch | None:
     if mechanism not in _known:
         _known[mechanism] = reference_branch(mechanism)
     return _known[mechanism]
+
+
+def evaluator_of(mechanism: Mechanism) -> Evaluator:
+    """The mechanism's kinematics for loops, kept since its batch costs a millisecond to build."""
+    if mechanism not in _evaluators:
+        _evaluators[mechanism] = Evaluator(mechanism.model)
+    return _evaluators[mechanism]
 
 
 def checked(mechanism: Mechanism, driven: Array) -> Array:

@@ -9,9 +9,9 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import InputError
-from equipoise.loops.close import branch_of
+from equipoise.loops.close import branch_of, evaluator_of
 from equipoise.loops.constraints import Connect, Couple, Equality, Weld
-from equipoise.loops.posture import Evaluator, Pose, ancestors, cross, quat_product
+from equipoise.loops.posture import Pose, ancestors, cross, quat_product
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
@@ -30,7 +30,7 @@ def accelerations(mechanism: Mechanism, q: Array, velocity: Array, cdof_dot: Arr
     branch = branch_of(mechanism)
     if branch is None:
         return start
-    loop, evaluate = branch.loop, Evaluator(mechanism.model)
+    loop, evaluate = branch.loop, evaluator_of(mechanism)
     found = start.copy()
     for first in range(0, len(q), _CHUNK):
         part = slice(first, first + _CHUNK)

@@ -11,7 +11,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import LoopError
 from equipoise.loops.branch import Branch
-from equipoise.loops.close import branch_of, checked, close_loops, refined, transmission_of
+from equipoise.loops.close import branch_of, checked, close_loops, evaluator_of, refined, transmission_of
 from equipoise.loops.messages import blocked_way
 from equipoise.loops.posture import Evaluator
 from equipoise.loops.roadmap import Blocked
@@ -48,7 +48,7 @@ def close_motion(mechanism: Mechanism, motion: Motion, time: Array) -> tuple[Arr
     if branch is None:
         return close_loops(mechanism, driven)
     model, joints = mechanism.model, mechanism.driven_ids
-    evaluate = Evaluator(model)
+    evaluate = evaluator_of(mechanism)
     knots = _knots(mechanism, branch, evaluate, motion)
     q = np.tile(branch.home.q[0], (len(time), 1))
     q[:, model.jnt_qposadr[joints]] = driven
