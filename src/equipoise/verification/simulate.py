@@ -17,8 +17,8 @@ from equipoise.errors import LoopError, ModelError, nearest
 from equipoise.mechanism import Mechanism
 from equipoise.models.notices import listen, refusals
 from equipoise.states import States
-from equipoise.verify.saved import reload
-from equipoise.verify.verification import Disagreement, JointError
+from equipoise.verification.findings import Disagreement, JointError
+from equipoise.verification.saved import reload
 
 ENGINE = f"MuJoCo {mujoco.__version__}"
 CHUNK = 16384
