@@ -21,12 +21,36 @@ _HOME = {
     "Unknown": "affine",
     "Spring": "balancers.spring",
     "Line": "balancers.paths",
+    "Cable": "balancers.paths",
+    "Pulley": "balancers.paths",
+    "Angle": "balancers.paths",
+    "Absolute": "balancers.paths",
+    "Gear": "balancers.paths",
+    "Drum": "balancers.paths",
+    "ScotchYoke": "balancers.paths",
+    "SliderCrank": "balancers.paths",
+    "InvertedSliderCrank": "balancers.paths",
+    "Cam": "balancers.paths",
+    "Profile": "balancers.paths",
+    "Mount": "balancers.paths",
     "Linear": "balancers.laws",
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "PointMass": "balancers.shapes",
+    "Disc": "balancers.shapes",
+    "Plate": "balancers.shapes",
+    "Solid": "balancers.shapes",
+    "CounterRotor": "balancers.counter_rotor",
+    "Flywheel": "balancers.flywheel",
+    "FlywheelLaw": "balancers.flywheel",
+    "Motion": "motion.motion",
+    "Expression": "motion.drivers",
+    "Cycloidal": "motion.drivers",
+    "Polynomial": "motion.drivers",
+    "Spline": "motion.drivers",
     "Force": "limits",
     "Slack": "limits",
     "Length": "limits",
@@ -78,9 +102,26 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
+    from equipoise.balancers.counter_rotor import CounterRotor
     from equipoise.balancers.counterweight import Counterweight
+    from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
     from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
-    from equipoise.balancers.paths import Line
+    from equipoise.balancers.paths import (
+        Absolute,
+        Angle,
+        Cable,
+        Cam,
+        Drum,
+        Gear,
+        InvertedSliderCrank,
+        Line,
+        Mount,
+        Profile,
+        Pulley,
+        ScotchYoke,
+        SliderCrank,
+    )
+    from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design
@@ -100,6 +141,8 @@ if TYPE_CHECKING:
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank
+    from equipoise.motion.drivers import Cycloidal, Expression, Polynomial, Spline
+    from equipoise.motion.motion import Motion
     from equipoise.objective import Aim
     from equipoise.problem import Problem, load_problem
     from equipoise.states import States

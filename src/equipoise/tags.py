@@ -5,9 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
-from equipoise.balancers.paths import Line
+from equipoise.balancers.paths import (
+    Absolute,
+    Angle,
+    Cable,
+    Cam,
+    Drum,
+    Gear,
+    InvertedSliderCrank,
+    Line,
+    Path,
+    Profile,
+    Pulley,
+    ScotchYoke,
+    SliderCrank,
+    Turn,
+)
+from equipoise.balancers.shapes import Disc, Plate, PointMass, Shape, Solid
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
 from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
@@ -17,6 +35,7 @@ from equipoise.models.four_bar import four_bar
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
+from equipoise.motion.drivers import Cycloidal, Driver, Expression, Polynomial, Spline
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -33,9 +52,28 @@ SWEEPS: dict[str, Callable[..., Any]] = {
     "grid": Sweep.grid,
     "quadrature": Sweep.quadrature,
     "poses": Sweep.of_poses,
+    "motion": Sweep.motion,
+    "any_motion": Sweep.any_motion,
 }
-BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
-PATHS: dict[str, Callable[..., Any]] = {"line": Line}
+BALANCERS: dict[str, Callable[..., Any]] = {
+    "spring": Spring,
+    "counterweight": Counterweight,
+    "counter_rotor": CounterRotor,
+    "flywheel": Flywheel,
+}
+TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
+PATHS: dict[str, Callable[..., Any]] = {
+    "line": Line,
+    "cable": Cable,
+    **TURNS,
+    "drum": Drum,
+    "scotch_yoke": ScotchYoke,
+    "slider_crank": SliderCrank,
+    "inverted_slider_crank": InvertedSliderCrank,
+    "cam": Cam,
+}
+PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
+PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
     "linear": Linear,
@@ -43,6 +81,13 @@ LAWS: dict[str, Callable[..., Any]] = {
     "constant": Constant,
 }
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
+SHAPES: dict[str, Callable[..., Any]] = {"point": PointMass, "disc": Disc, "plate": Plate, "solid": Solid}
+DRIVERS: dict[str, Callable[..., Any]] = {
+    "expression": Expression,
+    "cycloidal": Cycloidal,
+    "polynomial": Polynomial,
+    "spline": Spline,
+}
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
     "force": Force,
@@ -69,16 +114,26 @@ BALANCER = Family("balancer", _members(BALANCERS))
 LIMIT = Family("limit", _members(LIMITS), leading=True)
 PATH = Family("path", _members(PATHS))
 LAW = Family("law", _members(LAWS))
+TURN = Family("angle", _members(TURNS))
+PROFILE = Family("profile", _members(PROFILES))
+PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
+SHAPE = Family("shape", _members(SHAPES))
+DRIVER = Family("driver", _members(DRIVERS))
 
 
 def family_of(hint: Any) -> Family | Form | None:
     """The family that a parameter's type stands for, and how points are written; None for other types."""
     if hint is Point:
         return Form(point)
-    if hint is Law:
-        return LAW
-    for family, table in ((PATH, PATHS), (LAW, LAWS), (MASS, MASSES)):
+    for family, table in (
+        (LAW, {"any": Law, **LAWS}),
+        (TURN, {"any": Turn, **TURNS}),
+        (PATH, {"any": Path, **PATHS}),
+        (PROFILE, PROFILES),
+        (PULLEY, PULLEYS),
+        (MASS, MASSES),
+    ):
         if isinstance(hint, type) and hint in table.values():
             return family
     return None

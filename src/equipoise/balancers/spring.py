@@ -11,7 +11,8 @@ import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
 from equipoise.balancers.laws import Law, WireMass
-from equipoise.balancers.paths import Path
+from equipoise.balancers.paths import Path, Place
+from equipoise.balancers.paths.bodies import outline
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import ANSWERED, Mechanism, Point
 from equipoise.momentum import FORCE, MASS, MOMENT
@@ -59,6 +60,13 @@ class Spring:
             )
         return self.mass.of(rate)
 
+    @property
+    def masses(self) -> tuple[tuple[Place, Any], ...]:
+        """Places and masses, kg, of the spring's own mass, lumped, and of its path's parts."""
+        own = self.own_mass
+        shares = ((place, share * np.asarray(own)) for place, share in self.path.ends()) if np.any(own) else ()
+        return (*shares, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError where the spring cannot act on the mechanism."""
         self.path.check(mechanism, self.name)
@@ -84,7 +92,7 @@ class Spring:
             basis, known = self.law.force_basis(length)
             b = known[..., None] * rate + self._weight(states, "hold")
             if goal == "drive":
-                b = b + sum(states.point_inertia(point, mass) for point, mass in self._masses())
+                b = b + sum(states.point_inertia(point, mass) for point, mass in self._moving)
             return Affine(states.mechanism.driven_blocks, b, self.unknowns, basis[..., None, :] * rate[..., :, None])
         if goal in ("energy", "storage"):
             basis, known = self.law.energy_basis(length)
@@ -93,20 +101,25 @@ class Spring:
             return Affine((name,), (known + own)[..., None], self.unknowns, basis[..., None, :])
         raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ANSWERED))
 
-    def _masses(self) -> list[tuple[Point, Any]]:
-        """The spring's own mass, lumped at its ends where they can move."""
-        mass = np.asarray(self.own_mass)
-        return [(point, share * mass) for point, share in self.path.ends() if point.body != "world" and np.any(mass)]
+    @property
+    def _moving(self) -> list[tuple[Point, Any]]:
+        """Points and masses, kg, that inertia counts; raises InputError where a mass moves within its body."""
+        found = [(place, mass) for place, mass in self.masses if not isinstance(place, Point) or place.body != "world"]
+        for place, _ in found:
+            if not isinstance(place, Point):
+                raise InputError(
+                    f"the inertia of spring {self.name}'s own mass is not known on this path: its ends move within bodies",
+                    where=f"spring {self.name}",
+                    hint="leave its mass out for goals of a motion",
+                )
+        return found  # type: ignore[return-value]
 
     def _shake(self, states: States) -> Any:
-        return sum((states.point_wrench(point, mass) for point, mass in self._masses()), start=np.zeros((1, 6)))
+        return sum((states.point_wrench(point, mass) for point, mass in self._moving), start=np.zeros((1, 6)))
 
     def _weight(self, states: States, goal: str) -> Any:
-        mass = self.own_mass
-        if not np.any(mass):
-            return 0.0
         answer = states.weight_effort if goal == "hold" else states.weight_energy
-        return sum(answer(point, share * np.asarray(mass)) for point, share in self.path.ends())
+        return sum((answer(place, mass) for place, mass in self.masses), 0.0)
 
     def force(self, states: States, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Length (N,), m, and force (N,), N, for given values of the unknowns {name: value}."""
@@ -149,7 +162,8 @@ class Spring:
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = [-intercept, -slope, 0.0]
-        for side, (point, share) in zip("ab", self.path.ends(), strict=True):
+        for side, (place, share) in zip("ab", self.path.ends() if self.own_mass else (), strict=False):
+            point = place if isinstance(place, Point) else place.seat(outline(spec), self.name)
             add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, share * float(self.own_mass))
 
 
