@@ -145,7 +145,7 @@ class Design:
         """The value of an aim's norm, in its unit."""
         if aim.goal == "mass":
             return self.added_mass
-        rows = aim.counted(self.mechanism) if aim.goal in JOINT_GOALS else (aim.goal,)
+        rows = aim.rows(self.mechanism)
 
         def norm(table: Mapping[str, Row]) -> float:
             values = np.array([getattr(table[name], aim.norm) for name in rows])

@@ -64,6 +64,10 @@ class Aim:
                 raise InputError(f"joint {joint!r} is not driven", where="objective.joints", hint=hint)
         return self.joints or mechanism.driven
 
+    def rows(self, mechanism: Mechanism) -> tuple[str, ...]:
+        """Names of a design's rows that count: joints, or the goal itself."""
+        return self.counted(mechanism) if self.goal in JOINT_GOALS else (self.goal,)
+
     def scales(self, mechanism: Mechanism) -> Array:
         """Factor of every counted joint's row: 1, or one over its motor limit."""
         joints = self.counted(mechanism)

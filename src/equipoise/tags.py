@@ -25,7 +25,7 @@ from equipoise.balancers.paths import (
     SliderCrank,
     Turn,
 )
-from equipoise.balancers.shapes import Disc, Plate, PointMass, Shape, Solid
+from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
 from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
@@ -133,6 +133,8 @@ def family_of(hint: Any) -> Family | Form | None:
         (PROFILE, PROFILES),
         (PULLEY, PULLEYS),
         (MASS, MASSES),
+        (SHAPE, SHAPES),
+        (DRIVER, {"any": Driver, **DRIVERS}),
     ):
         if isinstance(hint, type) and hint in table.values():
             return family

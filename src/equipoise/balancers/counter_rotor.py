@@ -97,9 +97,7 @@ class CounterRotor:
             column = states.weight_effort(self.at, 1.0) + states.point_inertia(self.at, 1.0)
             turning = rotor[0][:, None] * rotor[1]
             own = self.gear_inertia * gear[0][:, None] * gear[1]
-            return self._affine(
-                states.mechanism.driven_blocks, self._heft * column + turning, self.mass * column + own
-            )
+            return self._affine(states.mechanism.driven_blocks, self._heft * column + turning, self.mass * column + own)
         raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ANSWERED))
 
     @property

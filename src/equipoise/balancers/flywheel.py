@@ -55,7 +55,9 @@ class Flywheel:
             if value is not None and not value > 0:
                 raise InputError(f"the {what} is {value:g}, it must be positive", where=where)
         if self.inertia is None and self.speed is None and self.power is None:
-            raise InputError("nothing tells the inertia", where=where, hint="give inertia, or the motor's speed or power")
+            raise InputError(
+                "nothing tells the inertia", where=where, hint="give inertia, or the motor's speed or power"
+            )
 
     def effort(self, states: States, goal: str) -> Affine:
         """Nothing: on the base its weight and force are the base's, its moment is taken in `relieve`."""

@@ -72,7 +72,9 @@ def read_motion(mechanism: Mechanism, path: Path) -> tuple[Motion, Array]:
     """
     columns = read_columns(mechanism, path, {"time": "s"})
     if "time" not in columns:
-        raise InputError("the motion has no column `time`", where=f"{path}, line 1", hint="head it `time` or `time [ms]`")
+        raise InputError(
+            "the motion has no column `time`", where=f"{path}, line 1", hint="head it `time` or `time [ms]`"
+        )
     times = columns["time"]
     if len(times) < 2:
         raise InputError("a motion needs two rows at least", where=str(path))

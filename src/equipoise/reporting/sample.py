@@ -48,7 +48,7 @@ class Sample:
     @cached_property
     def counted(self) -> list[int]:
         """Numbers of the joints that count in the objective."""
-        names = {joint for aim in self.design.objective for joint in aim.counted(self.design.mechanism)}
+        names = {row for aim in self.design.objective for row in aim.rows(self.design.mechanism)}
         return [index for index, joint in enumerate(self.design.mechanism.driven) if joint in names]
 
     @cached_property

@@ -62,7 +62,10 @@ class Solution:
         if not self.program.unknowns:
             return np.zeros((0, 0))
         scale = self.program.scale
-        factor = np.vstack([term.triangle[:, :-1] for term in self.program.terms]) * scale
+        parts = [term.triangle[:, :-1] for term in self.program.terms]
+        # what a body can have binds before a residual does: such directions are not free
+        parts += [one.S.reshape(len(scale), -1).T for one in self.program.definite]
+        factor = np.vstack(parts) * scale
         _, singular, vectors = np.linalg.svd(factor)
         rank = int((singular > 1e-10 * max(singular.max(initial=0.0), 1e-300)).sum())
         return vectors[rank:] * scale

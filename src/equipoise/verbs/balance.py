@@ -311,7 +311,7 @@ def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...
         share = mine.magnitudes(mine.b).max(axis=0) >= balanced.solution.objective * (1 - 1e-9)
     if aim.goal not in JOINT_GOALS:
         return ()
-    joints = aim.counted(balanced.task.mechanism)
+    joints = aim.rows(balanced.task.mechanism)
     return tuple(
         joint for joint, part, moved in zip(joints, share, reach, strict=True) if part > 0.05 and moved <= EXACT * load
     )
