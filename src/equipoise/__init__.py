@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 _HOME = {
     "Mechanism": "mechanism",
     "Point": "mechanism",
+    "Platform": "mechanism",
     "Sweep": "sweep",
     "Payload": "sweep",
     "States": "states",
@@ -21,6 +22,7 @@ _HOME = {
     "Unknown": "affine",
     "Spring": "balancers.spring",
     "Line": "balancers.paths",
+    "Cable": "balancers.cable",
     "Linear": "balancers.laws",
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
@@ -41,6 +43,7 @@ _HOME = {
     "parallelogram_arm": "models.parallelogram_arm",
     "four_bar": "models.four_bar",
     "slider_crank": "models.slider_crank",
+    "cable_platform": "models.cable_platform",
     "analyze": "verbs.analyze",
     "balance": "verbs.balance",
     "shape": "verbs.shape",
@@ -75,6 +78,7 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
+    from equipoise.balancers.cable import Cable
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
     from equipoise.balancers.paths import Line
@@ -90,7 +94,8 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
-    from equipoise.mechanism import Mechanism, Point
+    from equipoise.mechanism import Mechanism, Platform, Point
+    from equipoise.models.cable_platform import cable_platform
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
     from equipoise.models.parallelogram_arm import parallelogram_arm

@@ -112,11 +112,11 @@ class Design:
         """The norm that was made small."""
         return next(aim.norm for aim in self.objective if aim.cap is None)
 
-    def residual(self, states: States) -> np.ndarray:
-        """Holding effort (N, nd) with the balancers, at any states."""
+    def residual(self, states: States, goal: str = "hold") -> np.ndarray:
+        """A goal's residual (N, R) with the balancers, at any states; of `hold` (N, nd)."""
         from equipoise.assemble import effort
 
-        total = effort(self.mechanism, self.balancers, states)
+        total = effort(self.mechanism, self.balancers, states, goal)
         return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
 
     def parts(self) -> list[dict[str, Any]]:
@@ -196,7 +196,9 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
         "kind": "spring",
         "law": type(spring.law).__name__,
         "parameters": spring.parameters(design.values),
-        "ends": [{"body": point.body, "at": [float(v) for v in point.at]} for point, _ in spring.path.ends()],
+        "ends": [
+            {"body": point.body, "at": [float(v) for v in point.at]} for point in spring.path.span(design.mechanism)
+        ],
         "length": [float(length.min()), float(length.max())],
         "stroke": float(length.max() - length.min()),
         "force": [float(force.min()), float(force.max())],

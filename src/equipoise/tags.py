@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from equipoise.balancers.cable import Cable
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
 from equipoise.balancers.paths import Line
@@ -12,6 +13,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
 from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
 from equipoise.mechanism import Mechanism, Point
+from equipoise.models.cable_platform import cable_platform
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
 from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -24,16 +26,20 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "parallelogram_arm": parallelogram_arm,
     "four_bar": four_bar,
     "slider_crank": slider_crank,
+    "cable_platform": cable_platform,
 }
 MECHANISMS: dict[str, Callable[..., Any]] = {"model": Mechanism.load, **BUILDERS}
 SWEEPS: dict[str, Callable[..., Any]] = {
     "sobol": Sweep.sobol,
     "grid": Sweep.grid,
     "quadrature": Sweep.quadrature,
+    "triangle": Sweep.triangle,
+    "polygon": Sweep.polygon,
+    "box": Sweep.region,
     "poses": Sweep.of_poses,
 }
 BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
-PATHS: dict[str, Callable[..., Any]] = {"line": Line}
+PATHS: dict[str, Callable[..., Any]] = {"line": Line, "cable": Cable}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
     "linear": Linear,

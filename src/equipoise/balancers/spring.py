@@ -130,7 +130,7 @@ class Spring:
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = [-intercept, -slope, 0.0]
-        for side, (point, share) in zip("ab", self.path.ends(), strict=True):
+        for side, (point, share) in zip("ab", self.path.ends(), strict=False):
             add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, share * float(self.own_mass))
 
 

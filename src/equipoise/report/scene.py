@@ -64,7 +64,7 @@ def scene(design: Design, states: States, row: int) -> Scene:
 
     for number, balancer in enumerate(design.balancers):
         if isinstance(balancer, Spring):
-            points = [point for point, _ in balancer.path.ends()]
+            points = list(balancer.path.span(mechanism))
             ends = [states.point(point)[0][row] for point in points]
             springs.append((number, ends[0], ends[-1]))
             for point, end in zip(points, ends, strict=True):

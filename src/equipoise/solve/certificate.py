@@ -89,11 +89,12 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
         parts[k] = np.maximum(parts[k], 0.0)
     size = np.concatenate(parts)
     leftover, gain = size @ slope, 0.0
-    norms = [_dual_norm(t, working, parts[2 * i], parts[2 * i + 1], answer, i) for i, t in enumerate(program.terms)]
+    norms = [_dual_norm(t, working, parts[2 * i], parts[2 * i + 1], i) for i, t in enumerate(program.terms)]
     if smooth is not None:
         leftover, gain, norms[smooth] = _through_rms(program, answer, smooth, leftover)
-    excess = max(1.0, *norms)
-    caps = sum(price * term.cap for term, price in zip(program.terms, answer.cap, strict=True) if term.cap)
+    # A cap's own price may be any that covers its multipliers: their dual norm is the cheapest.
+    excess = max([1.0, *(norm / t.factor for t, norm in zip(program.terms, norms, strict=True) if t.cap is None)])
+    caps = sum(norm * term.cap for term, norm in zip(program.terms, norms, strict=True) if term.cap is not None)
     dual = (float(size @ value) + gain - caps - float(np.abs(leftover) @ np.abs(theta))) / excess
     prices: dict[str, float] = {}
     for k, rows in zip(rows_at, program.rows, strict=True):
@@ -132,31 +133,26 @@ def _onto_stationarity(slope: Array, size: Array) -> Array:
 def _through_rms(program: Program, answer: Answer, i: int, residual: Array) -> tuple[Array, float, float]:
     """Take a stationarity residual up with y + W A z of an rms term, whose multipliers are dense.
 
-    Returns what is left of the residual, the change of the dual value and the new dual norm over its allowance.
+    Returns what is left of the residual, the change of the dual value and the new dual norm.
     """
     term, factor = program.terms[i], program.terms[i].triangle
     slope, known = factor[:, :-1] * program.scale, factor[:, -1]
     step = slope @ np.linalg.lstsq(slope.T @ slope, -residual * program.scale, rcond=1e-14)[0]
     direction = factor @ np.append(answer.theta, 1.0)
     y = answer.level[i] * direction / max(float(np.linalg.norm(direction)), 1e-300) + step
-    allowance = answer.cap[i] if term.cap is not None else term.factor
-    norm = float(np.linalg.norm(y)) / allowance if allowance > 1e-12 else 1.0
-    return residual + factor[:, :-1].T @ step, float(step @ known), norm
+    return residual + factor[:, :-1].T @ step, float(step @ known), float(np.linalg.norm(y))
 
 
-def _dual_norm(term: Term, working: Working, y: Array, rest: Array, answer: Answer, i: int) -> float:
-    """Dual norm of a term's multipliers over its allowance (the factor, or a cap's own price)."""
-    allowance = answer.cap[i] if term.cap is not None else term.factor
-    if allowance <= 1e-12:
-        return 1.0
+def _dual_norm(term: Term, working: Working, y: Array, rest: Array, i: int) -> float:
+    """Dual norm of a term's multipliers."""
     if term.norm == "rms":
-        return float(abs(y[0])) / allowance
+        return float(abs(y[0]))
     sample = spread(term.sizes, working.terms[i])[0]
     magnitude = np.sqrt(np.bincount(sample, weights=y * y, minlength=len(working.terms[i])))
     if term.norm == "peak":
-        return float(magnitude.sum()) / allowance
+        return float(magnitude.sum())
     weight = np.maximum(term.weight[working.terms[i] // len(term.sizes)], 1e-300)
-    return max(float((magnitude / weight).max(initial=0.0)), float(np.abs(rest).sum())) / allowance
+    return max(float((magnitude / weight).max(initial=0.0)), float(np.abs(rest).sum()))
 
 
 def _shares(term: Term, working: Working, answer: Answer, i: int) -> Array:

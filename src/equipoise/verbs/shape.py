@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.assemble import Balancer, thrift
+from equipoise.assemble import Balancer, effort, thrift
 from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
 from equipoise.limits import Limit
@@ -102,10 +102,12 @@ def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, floa
 
 def load_of(task: Task, states: States) -> float:
     """The objective of the bare mechanism, which makes tolerances and penalties relative."""
-    bare = task.mechanism.effort(states, "hold")
     load = sum(
         term.factor * term.value(np.zeros(0))
-        for term in (aim.term(task.mechanism, bare, states.weight) for aim in task.objective)
+        for term in (
+            aim.term(task.mechanism, effort(task.mechanism, (), states, aim.goal), states.weight)
+            for aim in task.objective
+        )
         if term.cap is None
     )
     if not load > 0:
