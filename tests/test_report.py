@@ -12,13 +12,13 @@ import pytest
 
 import equipoise as eq
 from equipoise.design import Active
-from equipoise.report import numbers, phrases, words
-from equipoise.report.html import page
-from equipoise.report.jsonfile import strict
-from equipoise.report.maps import draw_map
-from equipoise.report.references import entries, reference
-from equipoise.report.sample import Sample
-from equipoise.report.style import figure, styled
+from equipoise.reporting import numbers, phrases, words
+from equipoise.reporting.html import page
+from equipoise.reporting.jsonfile import strict
+from equipoise.reporting.maps import draw_map
+from equipoise.reporting.references import entries, reference
+from equipoise.reporting.sample import Sample
+from equipoise.reporting.style import figure, styled
 
 NASTY = 'arm <script>alert("1")</script> & co'
 UR10 = "package://example-robot-data/robots/ur_description/urdf/ur10_robot.urdf"
@@ -162,14 +162,6 @@ def test_residuals_read_back_as_the_sweep(planar, written):
     assert np.abs(after).max() == pytest.approx(planar.after["upper_joint"].sample_peak, rel=1e-9)
 
 
-def test_verbs_stay_callable_whatever_was_imported(pendulum, tmp_path):
-    # `equipoise.report` is a subpackage too: printing imports it.
-    assert str(pendulum)
-    path = eq.report(pendulum, tmp_path / "one")
-    assert path.name == "report.html"
-    assert path.is_file()
-
-
 def test_nothing_is_left_where_writing_fails(pendulum, tmp_path, monkeypatch):
     def broken(*_):
         raise OSError(28, "No space left on device")
@@ -194,7 +186,7 @@ def test_a_disagreement_is_shown(pendulum):
 
 
 def test_ledger_of_an_exact_design_is_level(pendulum):
-    from equipoise.report.ledger import balance_sheet
+    from equipoise.reporting.ledger import balance_sheet
 
     sheet = balance_sheet(Sample(pendulum))
     assert sheet is not None

@@ -16,10 +16,10 @@ import equipoise as eq
 from equipoise.errors import DisagreementError, ModelError
 from equipoise.verbs.analyze import table
 from equipoise.verbs.verify import insist, verify
-from equipoise.verify.continuum import bounds
-from equipoise.verify.energy import energy_errors
-from equipoise.verify.saved import save
-from equipoise.verify.waves import Axes, corner_values, point_values
+from equipoise.verification.continuum import bounds
+from equipoise.verification.energy import energy_errors
+from equipoise.verification.saved import save
+from equipoise.verification.waves import Axes, corner_values, point_values
 
 UR10 = "package://example-robot-data/robots/ur_description/urdf/ur10_robot.urdf"
 WORLD = "world"

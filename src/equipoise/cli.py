@@ -49,7 +49,7 @@ def _root(
 @guarded
 def analyze(file: File, json: Json = False, out: Out = None) -> int:
     """What the motors hold against gravity, and which joints are worth a spring."""
-    from equipoise.report.jsonfile import dumps
+    from equipoise.reporting.jsonfile import dumps
     from equipoise.targets import target_of
     from equipoise.verbs.analyze import analyze as run
 
@@ -152,6 +152,28 @@ def report(file: Made, json: Json = False, out: Out = None) -> int:
 
 @app.command()
 @guarded
+def reproduce(
+    paper: Annotated[str | None, typer.Argument(metavar="[PAPER]", help="A paper, or a part of its name.")] = None,
+    json: Json = False,
+    out: Out = None,
+) -> int:
+    """The papers' printed numbers, ours beside them, and a verdict for each."""
+    from equipoise.verbs.reproduce import reproduce as run
+
+    found = run(paper, progress=lambda slug: say(f"recomputing {slug}"))
+    with staging(out) as stage:
+        written = [path for one in found for path in (one.write(stage) if stage is not None else [])]
+    if json:
+        emit([row for one in found for row in one.json()])
+    else:
+        say("\n\n".join(f"\n{one}" for one in found))
+    if out is not None:
+        say("\n".join(["", *(f"written     {out / path.name}" for path in written)]))
+    return 0
+
+
+@app.command()
+@guarded
 def schema() -> int:
     """The JSON Schema of problem files, on stdout."""
     from equipoise.problem import schema as whole
@@ -171,7 +193,7 @@ def _default_out(problem: Problem) -> Path:
 
 
 def _write(found: Design, stage: Path | None) -> None:
-    from equipoise.report.jsonfile import dumps
+    from equipoise.reporting.jsonfile import dumps
 
     if stage is not None:
         (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")

@@ -28,7 +28,7 @@ def say(text: str) -> None:
 
 def emit(data: Any) -> None:
     """Machine output, alone on stdout."""
-    from equipoise.report.jsonfile import dumps
+    from equipoise.reporting.jsonfile import dumps
 
     sys.stdout.write(dumps(data))
     sys.stdout.flush()

@@ -18,7 +18,7 @@ from equipoise.states import States
 from equipoise.sweep import Sweep
 
 if TYPE_CHECKING:
-    from equipoise.verify.verification import Verification
+    from equipoise.verification.findings import Verification
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ class Design:
         return list(dict.fromkeys(keys))
 
     def __str__(self) -> str:
-        from equipoise.report.words import summary
+        from equipoise.reporting.words import summary
 
         return summary(self)
 

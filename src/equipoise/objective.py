@@ -21,7 +21,8 @@ GOALS = ("hold", "wrench")
 class Aim:
     """weight * norm of a goal, or its cap.
 
-    goal `hold`: holding effort of the driven joints; `wrench`: the resultant on a platform; norm rms, peak or mean over the weighted states;
+    goal `hold`: holding effort of the driven joints; `wrench`: the resultant on a platform;
+    norm rms, peak or mean over the weighted states;
     joints that count (default all); divisor `motor` divides each joint by its motor limit; a cap, in the
     goal's unit, keeps the norm below a value instead of making it small; target is the value that the
     finished design must reach.

@@ -13,6 +13,7 @@ from equipoise.states import States
 
 RESULTANT = "resultant"
 SINGULAR = 1e-6
+ROUNDING = 1e-14
 
 
 def platform_of(mechanism: Mechanism) -> Platform:
@@ -67,4 +68,4 @@ def resultant(states: States, hold: Affine) -> Affine:
 
 
 def _identity(J: Array) -> bool:
-    return bool((J == np.eye(J.shape[1])).all())
+    return float(np.abs(J - np.eye(J.shape[1])).max()) < ROUNDING

@@ -40,12 +40,12 @@ def polygon_rule(vertices: Array, special: Array, count: int) -> tuple[Array, Ar
     The polygon is cut into triangles, those into six about their centroid, each with one of the corners: 6 count^2
     points per triangle. Weights sum to the area.
     """
-    parts = []
-    for triangle in _split(_ears(vertices), special, float(np.ptp(vertices, axis=0).max())):
-        middle = triangle.mean(0)
-        for i in range(3):
-            for j in ((i + 1) % 3, (i + 2) % 3):
-                parts.append(triangle_rule(triangle[i], (triangle[i] + triangle[j]) / 2, middle, count))
+    parts = [
+        triangle_rule(triangle[i], (triangle[i] + triangle[(i + step) % 3]) / 2, triangle.mean(0), count)
+        for triangle in _split(_ears(vertices), special, float(np.ptp(vertices, axis=0).max()))
+        for i in range(3)
+        for step in (1, 2)
+    ]
     return np.concatenate([points for points, _ in parts]), np.concatenate([weight for _, weight in parts])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import InputError, LoopError
-from equipoise.loops.assembly import Assembly, assemble
+from equipoise.loops.branch import Branch, reference_branch
 from equipoise.loops.messages import advice, blocked_way, gap, pose_text
 from equipoise.loops.posture import Evaluator, qpos_width
 from equipoise.loops.roadmap import Blocked, follow
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _CHUNK = 16384
 _ROUNDING = 1e-11  # dimensionless residual beyond which a posture does not count as closed
-_known: weakref.WeakKeyDictionary[Mechanism, Assembly | None] = weakref.WeakKeyDictionary()
+_known: weakref.WeakKeyDictionary[Mechanism, Branch | None] = weakref.WeakKeyDictionary()
 
 
 def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = None) -> tuple[Array, Array]:
@@ -49,22 +49,22 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     model, joints = mechanism.model, mechanism.driven_ids
     selection = np.zeros((1, model.nv, len(joints)))
     selection[0, model.jnt_dofadr[joints], np.arange(len(joints))] = 1.0
-    assembly = _assembly(mechanism)
-    home = mechanism.reference if assembly is None else assembly.home.q[0]
+    branch = _branch(mechanism)
+    home = mechanism.reference if branch is None else branch.home.q[0]
     q = np.tile(home, (len(driven), 1))
     q[:, model.jnt_qposadr[joints]] = driven
-    if assembly is None or not len(driven):
+    if branch is None or not len(driven):
         return q, selection
     evaluate = Evaluator(model)
-    origin = assembly.home if start is None else _origin(mechanism, assembly, evaluate, start)
-    postures = _followed(mechanism, assembly, evaluate, origin, driven)
+    origin = branch.home if start is None else _origin(mechanism, branch, evaluate, start)
+    postures = _followed(mechanism, branch, evaluate, origin, driven)
     postures[:, model.jnt_qposadr[joints]] = driven
     transmission = np.repeat(selection, len(driven), axis=0)
     for first in range(0, len(driven), _CHUNK):
         part = slice(first, first + _CHUNK)
-        closed = _refined(mechanism, assembly, evaluate, postures[part], driven[part])
+        closed = _refined(mechanism, branch, evaluate, postures[part], driven[part])
         q[part] = closed.q
-        transmission[part] += _transmission(assembly, closed, selection.shape)
+        transmission[part] += _transmission(branch, closed, selection.shape)
     return q, transmission
 
 
@@ -74,17 +74,17 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     The gap is the largest over the loops, angles counted at the characteristic length; without loops it is
     zero and the singular value infinite.
     """
-    assembly = _assembly(mechanism)
+    branch = _branch(mechanism)
     q = np.atleast_2d(np.asarray(q, dtype=float))
-    if assembly is None:
+    if branch is None:
         return np.zeros(len(q)), np.full(len(q), np.inf)
-    closed = assembly.loop.linearise(Evaluator(mechanism.model), q)
-    return gap(assembly.loop, closed), closed.sigma
+    closed = branch.loop.linearise(Evaluator(mechanism.model), q)
+    return gap(branch.loop, closed), closed.sigma
 
 
-def _assembly(mechanism: Mechanism) -> Assembly | None:
+def _branch(mechanism: Mechanism) -> Branch | None:
     if mechanism not in _known:
-        _known[mechanism] = assemble(mechanism)
+        _known[mechanism] = reference_branch(mechanism)
     return _known[mechanism]
 
 
@@ -110,10 +110,10 @@ def _checked(mechanism: Mechanism, driven: Array) -> Array:
     return driven
 
 
-def _origin(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, start: Array) -> Closed:
+def _origin(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, start: Array) -> Closed:
     # joints outside the loops stay at the reference during the walk, as they do for every pose
-    origin = assembly.home.q.copy()
-    loop, model = assembly.loop, mechanism.model
+    origin = branch.home.q.copy()
+    loop, model = branch.loop, mechanism.model
     tied = np.concatenate([loop.dependent, loop.driven])
     for joint in np.unique(model.dof_jntid[tied]):
         place = slice(model.jnt_qposadr[joint], model.jnt_qposadr[joint] + qpos_width(model, joint))
@@ -129,50 +129,50 @@ def _origin(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, start
     return closed
 
 
-def _followed(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, origin: Closed, driven: Array) -> Array:
+def _followed(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, origin: Closed, driven: Array) -> Array:
     """Postures (N, nq) on the branch; only joints that the loops bend are walked, each combination once."""
-    loop, model = assembly.loop, mechanism.model
-    bent = np.flatnonzero(assembly.curved)
+    loop, model = branch.loop, mechanism.model
+    bent = np.flatnonzero(branch.curved)
     if not bent.size:
         return np.tile(origin.q, (len(driven), 1))
     scale = loop.columns[loop.driven]
     here = origin.q[0, model.jnt_qposadr[model.dof_jntid[loop.driven]]] / scale
-    wanted = driven[:, assembly.places] / scale
-    wanted[:, ~assembly.curved] = here[~assembly.curved]
+    wanted = driven[:, branch.places] / scale
+    wanted[:, ~branch.curved] = here[~branch.curved]
     targets, back = np.unique(wanted, axis=0, return_inverse=True)
     result = follow(loop, evaluate, origin, here, targets)
     if isinstance(result, Blocked):
         pose = driven[int(np.argmax(back.ravel() == result.index))]
-        raise blocked_way(mechanism, assembly, evaluate, result, pose)
+        raise blocked_way(mechanism, branch, evaluate, result, pose)
     return result[back.ravel()]
 
 
-def _refined(mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+def _refined(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
     # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
-    turns = 2 if assembly.curved.all() else 8
-    closed = assembly.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
+    turns = 2 if branch.curved.all() else 8
+    closed = branch.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
     worst = int(np.argmax(closed.worst))
     if closed.worst[worst] > _ROUNDING:
         raise LoopError(
             f"the loops do not close at {pose_text(mechanism, driven[worst])}: the gap is "
-            f"{gap(assembly.loop, closed)[worst] * 1e3:.4g} mm",
+            f"{gap(branch.loop, closed)[worst] * 1e3:.4g} mm",
             where=mechanism.name,
         )
     least = int(np.argmin(closed.sigma))
     if closed.sigma[least] <= mechanism.singularity:
         raise LoopError(
             f"the pose {pose_text(mechanism, driven[least])} is within the margin of a singularity: "
-            f"gap {gap(assembly.loop, closed)[least] * 1e3:.2g} mm, singular value {closed.sigma[least]:.3g} "
+            f"gap {gap(branch.loop, closed)[least] * 1e3:.2g} mm, singular value {closed.sigma[least]:.3g} "
             f"(margin {mechanism.singularity:g})",
             where=mechanism.name,
-            hint=advice(mechanism, assembly),
+            hint=advice(mechanism, branch),
         )
     return closed
 
 
-def _transmission(assembly: Assembly, closed: Closed, shape: tuple[int, ...]) -> Array:
-    loop = assembly.loop
+def _transmission(branch: Branch, closed: Closed, shape: tuple[int, ...]) -> Array:
+    loop = branch.loop
     follow_up = closed.rate * loop.columns[loop.dependent][:, None] / loop.columns[loop.driven]
     part = np.zeros((len(closed.q), *shape[1:]))
-    part[:, loop.dependent[:, None], assembly.places] = follow_up
+    part[:, loop.dependent[:, None], branch.places] = follow_up
     return part

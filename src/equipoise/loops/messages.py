@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.errors import LoopError
-from equipoise.loops.assembly import Assembly
+from equipoise.loops.branch import Branch
 from equipoise.loops.posture import Evaluator
 from equipoise.loops.roadmap import Blocked
 from equipoise.loops.walk import CLOSED, Closed, Loop
@@ -32,21 +32,21 @@ def pose_text(mechanism: Mechanism, driven: Array, only: NDArray[np.int_] | None
     return ", ".join(f"{mechanism.driven[i]} = {value}" for i, value in zip(columns, values, strict=True))
 
 
-def advice(mechanism: Mechanism, assembly: Assembly, limit: str = "") -> str:
+def advice(mechanism: Mechanism, branch: Branch, limit: str = "") -> str:
     """What to try when poses do not close."""
-    joints = " or ".join(mechanism.driven[i] for i in assembly.places[assembly.curved])
+    joints = " or ".join(mechanism.driven[i] for i in branch.places[branch.curved])
     return f"reduce the range of {joints}{limit}, name another keyframe as `branch`, or lower the margin `singularity`"
 
 
 def blocked_way(
-    mechanism: Mechanism, assembly: Assembly, evaluate: Evaluator, blocked: Blocked, driven: Array
+    mechanism: Mechanism, branch: Branch, evaluate: Evaluator, blocked: Blocked, driven: Array
 ) -> LoopError:
     """What stopped the walk to a pose: no closed posture there, or a singularity on every way."""
-    loop, columns = assembly.loop, assembly.places[assembly.curved]
+    loop, columns = branch.loop, branch.places[branch.curved]
     best = _least(loop, evaluate, loop.move(blocked.last.q, blocked.ahead[None], loop.driven))
     width = float(gap(loop, best)[0])
     reached = driven.copy()
-    reached[assembly.places] = blocked.stop * loop.columns[loop.driven]
+    reached[branch.places] = blocked.stop * loop.columns[loop.driven]
     pose, stop = pose_text(mechanism, driven, columns), pose_text(mechanism, reached, columns)
     if width > CLOSED * loop.reach:
         what = f"the loops do not close at {pose}: the gap is {width * 1e3:.4g} mm"
@@ -57,7 +57,7 @@ def blocked_way(
         f"{what}; the branch ends near {stop}, where the singular value is {blocked.lowest:.3g} "
         f"(margin {mechanism.singularity:g}){more}",
         where=mechanism.name,
-        hint=advice(mechanism, assembly, f" to end before {stop}" if len(columns) == 1 else ""),
+        hint=advice(mechanism, branch, f" to end before {stop}" if len(columns) == 1 else ""),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -15,7 +16,6 @@ from equipoise.models.parts import (
     COUNTERCLOCKWISE,
     EARTH,
     Gravity,
-    Inertia,
     Inertial,
     add_body,
     add_joint,
@@ -26,7 +26,7 @@ from equipoise.models.parts import (
     positive,
     vector,
 )
-from equipoise.units import Joint, Length, Mass
+from equipoise.units import Inertia, Joint, Length, Mass
 
 BODY = "platform"
 TURNS = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0), "roll": (1.0, 0.0, 0.0)}
@@ -86,8 +86,6 @@ def cable_platform(
     metric = positive(length, "length", "m", name) if length is not None else reach or 1.0
     platform = Platform(Point(BODY), _rows(size, b is not None), metric, names)
     reference = [*a.mean(0), *[0.0] * (len(joints) - size)]
-    from dataclasses import replace
-
     return replace(finish(spec, tuple(joints), reference, "centre"), platform=platform)
 
 

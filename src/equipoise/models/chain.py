@@ -13,7 +13,6 @@ from equipoise.models.parts import (
     COUNTERCLOCKWISE,
     EARTH,
     Gravity,
-    Inertia,
     Planar,
     add_body,
     add_joint,
@@ -25,7 +24,7 @@ from equipoise.models.parts import (
     vector,
     word,
 )
-from equipoise.units import Angle, Force, Length, Mass, Number, Torque
+from equipoise.units import Angle, Force, Inertia, Length, Mass, Number, Torque
 
 Spatial = tuple[Length, Length, Length]
 

@@ -10,7 +10,6 @@ from equipoise.mechanism import Mechanism
 from equipoise.models.parts import (
     EARTH,
     Gravity,
-    Inertia,
     Planar,
     add_body,
     add_joint,
@@ -22,7 +21,7 @@ from equipoise.models.parts import (
     rod_inertial,
     word,
 )
-from equipoise.units import Angle, Length, Mass, Torque
+from equipoise.units import Angle, Inertia, Length, Mass, Torque
 
 LINKS = ("crank", "coupler", "rocker")
 

@@ -8,7 +8,6 @@ from equipoise.mechanism import Mechanism
 from equipoise.models.parts import (
     EARTH,
     Gravity,
-    Inertia,
     Planar,
     add_body,
     add_joint,
@@ -20,7 +19,7 @@ from equipoise.models.parts import (
     rod_inertial,
     vector,
 )
-from equipoise.units import Angle, Length, Mass, Torque
+from equipoise.units import Angle, Inertia, Length, Mass, Torque
 
 LINKS = ("arm", "rod", "head")
 

@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, compile_spec
-from equipoise.units import Acceleration, Length, Quantity
+from equipoise.units import Acceleration, Length
 
-Inertia = Annotated[float, Quantity("kg m^2")]
 Gravity = tuple[Acceleration, Acceleration, Acceleration]
 Planar = tuple[Length, Length]
 EARTH = (0.0, 0.0, -9.81)

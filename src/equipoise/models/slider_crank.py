@@ -10,7 +10,6 @@ from equipoise.mechanism import Mechanism
 from equipoise.models.parts import (
     EARTH,
     Gravity,
-    Inertia,
     Inertial,
     Planar,
     add_body,
@@ -25,7 +24,7 @@ from equipoise.models.parts import (
     rod_inertial,
     word,
 )
-from equipoise.units import Angle, Length, Mass, Torque
+from equipoise.units import Angle, Inertia, Length, Mass, Torque
 
 
 def slider_crank(

@@ -49,7 +49,7 @@ class Analysis:
         }
 
     def __str__(self) -> str:
-        from equipoise.report.words import analysis
+        from equipoise.reporting.words import analysis
 
         return analysis(self)
 

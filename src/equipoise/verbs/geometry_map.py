@@ -40,8 +40,8 @@ class GeometryMap:
 
     def write(self, folder: Path) -> tuple[Path, Path]:
         """Write `map.svg` and `map.csv` (x, y, norm in SI; empty where limits conflict)."""
-        from equipoise.report.maps import draw_map
-        from equipoise.report.style import figure, styled
+        from equipoise.reporting.maps import draw_map
+        from equipoise.reporting.style import figure, styled
 
         picture, table = folder / "map.svg", folder / "map.csv"
         scales = [1e3 if unit == "m" else 1.0 for unit in self.units]

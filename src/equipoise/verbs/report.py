@@ -21,10 +21,10 @@ def report(design: Design, out: Path | str) -> Path:
     A design without a verification is verified first; one that disagrees is reported as such. Files are made in
     a folder of their own and moved in place when all are there. Raises InputError where `out` cannot be written.
     """
-    from equipoise.report.html import page
-    from equipoise.report.jsonfile import dumps
+    from equipoise.reporting.html import page
+    from equipoise.reporting.jsonfile import dumps
     from equipoise.verbs.verify import verify
-    from equipoise.verify.saved import save
+    from equipoise.verification.saved import save
 
     target = Path(out)
     fresh = not target.exists()

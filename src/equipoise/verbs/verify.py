@@ -9,11 +9,11 @@ from pathlib import Path
 
 from equipoise.design import Design
 from equipoise.errors import DisagreementError, InputError
-from equipoise.verify.continuum import bounds
-from equipoise.verify.energy import energy_errors
-from equipoise.verify.saved import save
-from equipoise.verify.simulate import ENGINE, compare
-from equipoise.verify.verification import Bound, Verification
+from equipoise.verification.continuum import bounds
+from equipoise.verification.energy import energy_errors
+from equipoise.verification.findings import Bound, Verification
+from equipoise.verification.saved import save
+from equipoise.verification.simulate import ENGINE, compare
 
 POSES = 10_000
 SEED = 20_259

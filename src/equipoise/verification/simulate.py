@@ -17,8 +17,8 @@ from equipoise.errors import LoopError, ModelError, nearest
 from equipoise.mechanism import Mechanism
 from equipoise.models.notices import listen, refusals
 from equipoise.states import States
-from equipoise.verify.saved import reload
-from equipoise.verify.verification import Disagreement, JointError
+from equipoise.verification.findings import Disagreement, JointError
+from equipoise.verification.saved import reload
 
 ENGINE = f"MuJoCo {mujoco.__version__}"
 CHUNK = 16384
@@ -85,6 +85,11 @@ def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
     if sweep.box is not None:
         poses = sweep.box[:, 0] + rng.random((count, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
         tries.append((poses, f"{count} random poses in the sweep's box"))
+    if sweep.finer is not None:
+        inside = sweep.finer()
+        poses = inside.poses[inside.weight > 0]
+        poses = poses[rng.permutation(len(poses))[:count]]
+        tries.insert(0, (poses, f"{len(poses)} other poses of the sweep's region"))
     limits = np.where(np.isnan(mechanism.box), [-np.inf, np.inf], mechanism.box)
     near = sweep.poses[rng.integers(len(sweep.poses), size=count)]
     near = near + JITTER * np.ptp(sweep.poses, axis=0) * rng.standard_normal(near.shape)

@@ -10,12 +10,12 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.balancers.spring import Spring
-from equipoise.report import style
-from equipoise.report.glyphs import draw
-from equipoise.report.numbers import plain, sig
-from equipoise.report.sample import Sample
-from equipoise.report.scene import Scene, scene
-from equipoise.report.view import View, is_planar, side
+from equipoise.reporting import style
+from equipoise.reporting.glyphs import draw
+from equipoise.reporting.numbers import plain, sig
+from equipoise.reporting.sample import Sample
+from equipoise.reporting.scene import Scene, scene
+from equipoise.reporting.view import View, is_planar, side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

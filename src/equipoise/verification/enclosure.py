@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.verify.boxes import Judged
-from equipoise.verify.waves import Axes, corner_values, point_values
+from equipoise.verification.boxes import Judged
+from equipoise.verification.waves import Axes, corner_values, point_values
 
 MISMATCH = 1e-9
 ROUNDING = 1e-13

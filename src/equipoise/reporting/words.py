@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from equipoise.design import Design, Row
-from equipoise.report import phrases
-from equipoise.report.numbers import percent, plain, sig, sort_out
+from equipoise.reporting import phrases
+from equipoise.reporting.numbers import percent, plain, sig, sort_out
 
 if TYPE_CHECKING:
     from equipoise.verbs.analyze import Analysis

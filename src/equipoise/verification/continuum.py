@@ -13,10 +13,10 @@ from equipoise.design import Row
 from equipoise.errors import LoopError
 from equipoise.mechanism import Mechanism
 from equipoise.sweep import Sweep
-from equipoise.verify.boxes import Found, search
-from equipoise.verify.estimate import estimate
-from equipoise.verify.field import Field
-from equipoise.verify.verification import Bound
+from equipoise.verification.boxes import Found, search
+from equipoise.verification.estimate import estimate
+from equipoise.verification.field import Field
+from equipoise.verification.findings import Bound
 
 RELATIVE = 0.002
 OF_LOAD = 1e-4

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from equipoise.affine import Affine, Array
-from equipoise.report import style
-from equipoise.report.glyphs import part_colour
-from equipoise.report.numbers import sig
-from equipoise.report.sample import Sample
+from equipoise.reporting import style
+from equipoise.reporting.glyphs import part_colour
+from equipoise.reporting.numbers import sig
+from equipoise.reporting.sample import Sample
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,4 +1,4 @@
-"""How a mechanism's loops are assembled: which joints they tie together, and the reference posture closed."""
+"""The branch a mechanism's loops are on: which joints they tie together, and the reference posture closed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _RANK = 1e-4  # postures closed to rounding next to a singular one show false ra
 
 
 @dataclass(frozen=True, eq=False)
-class Assembly:
+class Branch:
     """A mechanism's loops with the branch: home is the closed reference posture (one row).
 
     places (k,) says which driven joint steers each of loop.driven; curved (k,) which of them must be walked
@@ -36,7 +36,7 @@ class Assembly:
     curved: NDArray[np.bool_]
 
 
-def assemble(mechanism: Mechanism) -> Assembly | None:
+def reference_branch(mechanism: Mechanism) -> Branch | None:
     """Partition the joints, check that the driven ones determine the loops, close the reference posture.
 
     Returns None without active equalities. Raises InputError for driven joints that contradict each other or
@@ -67,7 +67,7 @@ def assemble(mechanism: Mechanism) -> Assembly | None:
     _check_mobility(mechanism, samples[:, :, active], tied, driven[places])
     loop = Loop(model, found, rows, columns, dependent, driven[places], reach, mechanism.singularity)
     curved = np.isin(loop.driven, _curved_dofs(found, driven))
-    return Assembly(loop, _close_reference(mechanism, loop, evaluate), places, curved)
+    return Branch(loop, _close_reference(mechanism, loop, evaluate), places, curved)
 
 
 def dof_names(model: mujoco.MjModel, dofs: NDArray[np.int_]) -> str:

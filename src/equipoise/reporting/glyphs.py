@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.report import style
-from equipoise.report.numbers import plain
-from equipoise.report.sample import Sample
-from equipoise.report.scene import Scene
-from equipoise.report.view import View
+from equipoise.reporting import style
+from equipoise.reporting.numbers import plain
+from equipoise.reporting.sample import Sample
+from equipoise.reporting.scene import Scene
+from equipoise.reporting.view import View
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.report import style
-from equipoise.report.numbers import effort_word, plain, sig
-from equipoise.report.sample import Sample
+from equipoise.reporting import style
+from equipoise.reporting.numbers import effort_word, plain, sig
+from equipoise.reporting.sample import Sample
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -17,8 +17,8 @@ from equipoise.balancers.spring import Spring
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.verify.enclosure import Enclosure
-from equipoise.verify.waves import Axes
+from equipoise.verification.enclosure import Enclosure
+from equipoise.verification.waves import Axes
 
 PROBES = 24
 FEW = 6

@@ -9,7 +9,7 @@ from typing import Any
 
 from equipoise.design import Active, Design
 from equipoise.parameters import tag
-from equipoise.report.numbers import place, plain, quantity, shown, sig, sort_out, span
+from equipoise.reporting.numbers import place, plain, quantity, shown, sig, sort_out, span
 
 STEPS = {"m": 0.01, "N": 10.0, "N/m": 100.0, "kg": 0.1, "kg m": 0.01, "rad": 0.0174532925, "N m": 1.0}
 """How far a limit is relaxed when its price is put into words, SI."""

@@ -6,12 +6,12 @@ import json
 import math
 
 from equipoise.design import Design
-from equipoise.report import phrases
-from equipoise.report.jsonfile import strict
-from equipoise.report.markup import Raw, element, join, listing, prose, section, table
-from equipoise.report.numbers import plain, shown, sig
-from equipoise.report.references import reference
-from equipoise.report.tables import value_words
+from equipoise.reporting import phrases
+from equipoise.reporting.jsonfile import strict
+from equipoise.reporting.markup import Raw, element, join, listing, prose, section, table
+from equipoise.reporting.numbers import plain, shown, sig
+from equipoise.reporting.references import reference
+from equipoise.reporting.tables import value_words
 
 FIXED = "\u00a0"
 """A space that does not break: a number stays with its unit."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from equipoise.design import Design
-from equipoise.report import style
-from equipoise.report.curves import curves
-from equipoise.report.drawing import drawing
-from equipoise.report.ledger import ledger
-from equipoise.report.maps import draw_map, residual_map
-from equipoise.report.sample import Sample
+from equipoise.reporting import style
+from equipoise.reporting.curves import curves
+from equipoise.reporting.drawing import drawing
+from equipoise.reporting.ledger import ledger
+from equipoise.reporting.maps import draw_map, residual_map
+from equipoise.reporting.sample import Sample
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design, Row
-from equipoise.report import phrases
-from equipoise.report.markup import Raw, clean, element, join, listing, section, small, table
-from equipoise.report.numbers import percent, plain, quantity, shown, sig, sort_out, span
+from equipoise.reporting import phrases
+from equipoise.reporting.markup import Raw, clean, element, join, listing, section, small, table
+from equipoise.reporting.numbers import percent, plain, quantity, shown, sig, sort_out, span
 
 if TYPE_CHECKING:
-    from equipoise.verify.verification import Bound
+    from equipoise.verification.findings import Bound
 
 PERCENT = (
     "Peak: the largest magnitude, found by local ascent from the worst samples; the largest sample stands below it. "

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.verify.boxes import Found, Judged, search
+from equipoise.verification.boxes import Found, Judged, search
 
 STEP = 1e-3
 SAFETY = 1.5

@@ -7,9 +7,9 @@ from importlib.resources import files
 from equipoise import __version__
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
-from equipoise.report import phrases, sections, tables
-from equipoise.report.markup import Raw, element, image, join, section
-from equipoise.report.plots import Picture, pictures
+from equipoise.reporting import phrases, sections, tables
+from equipoise.reporting.markup import Raw, element, image, join, section
+from equipoise.reporting.plots import Picture, pictures
 
 
 def page(design: Design, model: str) -> str:
@@ -36,7 +36,7 @@ def page(design: Design, model: str) -> str:
         "\n",
     )
     title = element("title", f"{design.mechanism.name} balanced")
-    style = Raw((files("equipoise") / "report" / "page.css").read_text(encoding="utf-8"))
+    style = Raw((files("equipoise") / "reporting" / "page.css").read_text(encoding="utf-8"))
     head = join(
         [
             Raw('<meta charset="utf-8">'),

@@ -1,0 +1,1 @@
+"""Where mechanisms come from: robot files and parametric builders, all ending in a MuJoCo model."""
