@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise import platform
 from equipoise.affine import Affine, Array, Block
@@ -87,7 +88,7 @@ class Aim:
         b, A = effort.b[..., columns] * scale, effort.A[..., columns, :] * scale[:, None]
         return Term(self.goal, self.norm, b, A, weight / weight.sum(), sizes, self.weight, self.cap)
 
-    def columns(self, mechanism: Mechanism) -> tuple[Array, Array]:
+    def columns(self, mechanism: Mechanism) -> tuple[NDArray[np.int_], Array]:
         """Numbers (R,) of the counted rows among the goal's, and the factor (R,) of each."""
         counted, every = self.blocks(mechanism), goal_blocks(mechanism, self.goal)
         first = dict(zip([block.name for block in every], np.cumsum([0, *[b.size for b in every]]), strict=False))
