@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -129,18 +130,18 @@ class Mechanism:
         ends = [Point(model.body(int(site.bodyid[0])).name, tuple(float(v) for v in site.pos)) for site in sites]
         return ends[0], ends[1]
 
-    @property
+    @cached_property
     def driven_ids(self) -> Array:
         """Joint numbers of the driven joints (nd,)."""
         return np.array([self.joint_id(name) for name in self.driven], dtype=int)
 
-    @property
+    @cached_property
     def driven_units(self) -> tuple[str, ...]:
         """Unit of the holding effort per driven joint: N m for a hinge, N for a slide."""
         slide = mujoco.mjtJoint.mjJNT_SLIDE
         return tuple("N" if self.model.jnt_type[i] == slide else "N m" for i in self.driven_ids)
 
-    @property
+    @cached_property
     def driven_blocks(self) -> tuple[Block, ...]:
         """One block per driven joint."""
         return tuple(Block(name, unit) for name, unit in zip(self.driven, self.driven_units, strict=True))
