@@ -45,6 +45,7 @@ _HOME = {
     "four_bar": "models.four_bar",
     "slider_crank": "models.slider_crank",
     "cable_platform": "models.cable_platform",
+    "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "balance": "verbs.balance",
     "shape": "verbs.shape",
@@ -100,6 +101,7 @@ if TYPE_CHECKING:
     from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
+    from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
     from equipoise.models.parallelogram_arm import parallelogram_arm

@@ -14,6 +14,7 @@ from equipoise.forms import Family, Form
 from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
 from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
+from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
 from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -29,6 +30,7 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "four_bar": four_bar,
     "slider_crank": slider_crank,
     "cable_platform": cable_platform,
+    "caspr": caspr,
 }
 MECHANISMS: dict[str, Callable[..., Any]] = {"model": Mechanism.load, **BUILDERS}
 SWEEPS: dict[str, Callable[..., Any]] = {
