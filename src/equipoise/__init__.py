@@ -22,7 +22,7 @@ _HOME = {
     "Unknown": "affine",
     "Spring": "balancers.spring",
     "Line": "balancers.paths",
-    "Cable": "balancers.cable",
+    "Reel": "balancers.reel",
     "Linear": "balancers.laws",
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
@@ -82,7 +82,7 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.cable import Cable
+    from equipoise.balancers.reel import Reel
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
     from equipoise.balancers.paths import Line

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from equipoise.balancers.cable import Cable
+from equipoise.balancers.reel import Reel
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
 from equipoise.balancers.paths import Line
@@ -43,7 +43,7 @@ SWEEPS: dict[str, Callable[..., Any]] = {
     "poses": Sweep.of_poses,
 }
 BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
-PATHS: dict[str, Callable[..., Any]] = {"line": Line, "cable": Cable}
+PATHS: dict[str, Callable[..., Any]] = {"line": Line, "reel": Reel}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
     "linear": Linear,

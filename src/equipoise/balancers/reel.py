@@ -1,4 +1,4 @@
-"""Cables as paths: the length of a tendon that the mechanism already has."""
+"""Reels as paths: the length of a cable that the mechanism already has."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from equipoise.states import States
 
 
 @dataclass(frozen=True)
-class Cable:
-    """A cable of a platform, by name: a spring on its reel pulls with the spring's force at the cable's length.
+class Reel:
+    """The reel of a platform's cable, named by the cable: a spring on it pulls with the spring's force at the cable's length.
 
     l = |a - p - R b|, dl/dq; l in m. The reel's own spring turns the force into a torque; see `make`.
     """
