@@ -22,7 +22,19 @@ _HOME = {
     "Unknown": "affine",
     "Spring": "balancers.spring",
     "Line": "balancers.paths",
-    "Reel": "balancers.reel",
+    "Cable": "balancers.paths",
+    "Pulley": "balancers.paths",
+    "Angle": "balancers.paths",
+    "Absolute": "balancers.paths",
+    "Gear": "balancers.paths",
+    "Drum": "balancers.paths",
+    "ScotchYoke": "balancers.paths",
+    "SliderCrank": "balancers.paths",
+    "InvertedSliderCrank": "balancers.paths",
+    "Cam": "balancers.paths",
+    "Reel": "balancers.paths",
+    "Profile": "balancers.paths",
+    "Mount": "balancers.paths",
     "Linear": "balancers.laws",
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
@@ -82,10 +94,24 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.reel import Reel
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
-    from equipoise.balancers.paths import Line
+    from equipoise.balancers.paths import (
+        Absolute,
+        Angle,
+        Cable,
+        Cam,
+        Drum,
+        Gear,
+        InvertedSliderCrank,
+        Line,
+        Mount,
+        Profile,
+        Pulley,
+        Reel,
+        ScotchYoke,
+        SliderCrank,
+    )
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design

@@ -1,23 +1,25 @@
-"""Reels as paths: the length of a cable that the mechanism already has."""
+"""Reels: springs on what the cables of a platform wind on."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
 
 from equipoise.affine import Array
-from equipoise.balancers.paths import Line
+from equipoise.balancers.paths.line import Line
+from equipoise.balancers.paths.path import Path, Place, Sketch
 from equipoise.errors import InputError
-from equipoise.mechanism import Mechanism, Point
+from equipoise.mechanism import Mechanism
 from equipoise.states import States
 
 
 @dataclass(frozen=True)
-class Reel:
-    """The reel of a platform's cable, named by the cable: a spring on it pulls with the spring's force at the cable's length.
+class Reel(Path):
+    """The reel of a platform's cable, named by the cable: a spring on it pulls with its force at the cable's length.
 
-    l = |a - p - R b|, dl/dq; l in m. The reel's own spring turns the force into a torque; see `make`.
+    l = |a - p - R b|, dl/dq; l in m. What the spring is made of, such as a cam or a drum, is `make`'s concern.
     """
 
     cable: str
@@ -26,11 +28,7 @@ class Reel:
         """Length l (N,) and its derivative dl/dq_driven (N, nd); zero where the cable has no length."""
         return Line(*states.mechanism.cable(self.cable)).deform(states)
 
-    def span(self, mechanism: Mechanism) -> tuple[Point, Point]:
-        """The points that the cable runs between."""
-        return mechanism.cable(self.cable)
-
-    def ends(self) -> tuple[tuple[Point, float], ...]:
+    def ends(self) -> tuple[tuple[Place, float], ...]:
         """A spring on a reel loads the platform with none of its own mass."""
         return ()
 
@@ -47,3 +45,8 @@ class Reel:
         for wrap in found.path:
             tendon.wrap_site(wrap.target.name)
         return tendon
+
+    def sketch(self, states: States, row: int) -> Sketch:
+        """The cable from its anchor to the platform."""
+        ends = states.mechanism.cable(self.cable)
+        return Sketch(spring=np.stack([states.point(point)[0][row] for point in ends]))
