@@ -129,7 +129,7 @@ def _through_rms(program: Program, answer: Answer, i: int, residual: Array) -> t
 
     Returns what is left of the residual, the change of the dual value and the new dual norm.
     """
-    term, factor = program.terms[i], program.terms[i].triangle
+    factor = program.terms[i].triangle
     slope, known = factor[:, :-1] * program.scale, factor[:, -1]
     step = slope @ np.linalg.lstsq(slope.T @ slope, -residual * program.scale, rcond=1e-14)[0]
     direction = factor @ np.append(answer.theta, 1.0)
