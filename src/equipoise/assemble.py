@@ -17,6 +17,7 @@ from equipoise.errors import InputError
 from equipoise.limits import Limit, MassCap, Setting, implied, realisable
 from equipoise.mechanism import Mechanism
 from equipoise.objective import ORIGIN, Aim, joint_goal, pole_of
+from equipoise.platform import resultant
 from equipoise.solve.program import Program
 from equipoise.states import States, skew
 from equipoise.sweep import Sweep
@@ -58,8 +59,11 @@ def effort(
 ) -> Affine:
     """The whole residual of a goal: the mechanism's share plus every balancer's.
 
-    A moment is counted about the pole (world axes, m), M_o = M - o x F, and then relieved by flywheels.
+    A moment is counted about the pole (world axes, m), M_o = M - o x F, and then relieved by flywheels;
+    a `wrench` on a platform follows from `hold`.
     """
+    if goal == "wrench":
+        return resultant(states, effort(mechanism, balancers, states))
     total = mechanism.effort(states, goal)
     for balancer in balancers:
         total = total + balancer.effort(states, goal)
@@ -84,12 +88,14 @@ def settled(balancers: Sequence[Balancer], values: Mapping[str, float]) -> tuple
 def account(
     mechanism: Mechanism, balancers: Sequence[Balancer], states: States, objective: Sequence[Aim]
 ) -> tuple[Affine, ...]:
-    """What a design reports of its states: efforts of the driven joints and, in motion, force and moment."""
+    """What a design reports of its states: efforts of the driven joints, in motion force and moment."""
     moving = states.rates is not None
     parts = [effort(mechanism, balancers, states, joint_goal(objective, moving))]
     if moving:
         pole = pole_of(objective)
         parts += [effort(mechanism, balancers, states, goal, pole) for goal in ("force", "moment")]
+    if any(aim.goal == "wrench" for aim in objective):
+        parts.append(effort(mechanism, balancers, states, "wrench"))
     return tuple(parts)
 
 

@@ -17,7 +17,7 @@ from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
-from equipoise.objective import JOINT_GOALS, Aim, pole_of
+from equipoise.objective import Aim, pole_of
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
@@ -116,11 +116,11 @@ class Design:
         """The norm that was made small."""
         return next(aim.norm for aim in self.objective if aim.cap is None)
 
-    def residual(self, states: States) -> np.ndarray:
-        """Holding effort (N, nd) with the balancers, at any states."""
+    def residual(self, states: States, goal: str = "hold") -> np.ndarray:
+        """A goal's residual (N, R) with the balancers, at any states; of `hold` (N, nd)."""
         from equipoise.assemble import effort
 
-        total = effort(self.mechanism, self.balancers, states)
+        total = effort(self.mechanism, self.balancers, states, goal)
         return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
 
     def account(self, states: States, *, bare: bool = False) -> dict[str, np.ndarray]:
@@ -145,11 +145,11 @@ class Design:
         """The value of an aim's norm, in its unit."""
         if aim.goal == "mass":
             return self.added_mass
-        rows = aim.rows(self.mechanism)
+        rows = aim.counted(self.mechanism)
 
         def norm(table: Mapping[str, Row]) -> float:
             values = np.array([getattr(table[name], aim.norm) for name in rows])
-            values = values * aim.scales(self.mechanism) if aim.goal in JOINT_GOALS else values
+            values = values * aim.scales(self.mechanism)
             return float({"peak": values.max, "rms": lambda: np.linalg.norm(values), "mean": values.sum}[aim.norm]())
 
         return norm(self.after) / (norm(self.before) if aim.divisor == "before" else 1.0)

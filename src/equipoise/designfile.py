@@ -17,7 +17,6 @@ from equipoise.design import Active, Certificate, Design
 from equipoise.errors import ProblemError
 from equipoise.parameters import unit_of, write
 from equipoise.problem import Problem, problem_of
-from equipoise.states import States
 from equipoise.verbs.analyze import Account, table
 from equipoise.yamlfile import Document
 

@@ -6,17 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from equipoise.affine import Affine, Array
+from equipoise import platform
+from equipoise.affine import Affine, Array, Block
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism
+from equipoise.momentum import FORCE, MASS, MOMENT
 from equipoise.solve.program import NORMS, Norm, Term
 from equipoise.units import Effort, Length, Number
 
 ORIGIN = (0.0, 0.0, 0.0)
-GOALS = ("hold", "drive", "force", "moment", "mass")
+GOALS = ("hold", "drive", "force", "moment", "mass", "wrench")
 JOINT_GOALS = ("hold", "drive")
-UNITS = {"force": "N", "moment": "N m", "mass": "kg"}
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class Aim:
 
     goal `hold`: holding effort of the driven joints at rest, `drive`: what their motors supply over a motion;
     `force`, `moment`: the wrench of the base on the mechanism, moment about `pole` (world axes, m); `mass`: all
-    that is added. norm rms, peak or mean over the weighted states; joints that count (default all); divisor
+    that is added; `wrench`: the resultant on a platform. norm rms, peak or mean over the weighted states; joints that count (default all); divisor
     `motor` divides each joint by its motor limit, `before` everything by the same norm without balancers; a cap,
     in the goal's unit, keeps the norm below a value instead of making it small; target is the value that the
     finished design must reach.
@@ -48,28 +50,32 @@ class Aim:
         if self.divisor not in (None, "motor", "before"):
             hint = "use motor or before, or leave it out"
             raise InputError(f"there is no divisor {self.divisor!r}", where="objective", hint=hint)
-        if self.goal not in JOINT_GOALS and (self.joints or self.divisor == "motor"):
-            raise InputError(f"{self.goal} has no joints and no motors", where="objective", hint="leave them out")
+        for what, given in (("joints", self.joints), ("divisor", self.divisor == "motor")):
+            if self.goal not in JOINT_GOALS and given:
+                raise InputError(f"goal {self.goal} has no {what}", where=f"objective.{what}", hint="leave it out")
         if self.goal != "moment" and tuple(self.pole) != ORIGIN:
             raise InputError(f"{self.goal} has no pole", where="objective", hint="a pole belongs to goal: moment")
         for what, value in (("weight", self.weight), ("cap", self.cap), ("target", self.target)):
             if value is not None and not value > 0:
                 raise InputError(f"the {what} is {value:g}, it must be positive", where="objective")
 
+    def blocks(self, mechanism: Mechanism) -> tuple[Block, ...]:
+        """The blocks of rows that count: driven joints, or the resultant."""
+        found = {block.name: block for block in goal_blocks(mechanism, self.goal)}
+        return tuple(found[name] for name in self.counted(mechanism))
+
     def counted(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Names of the driven joints that count."""
+        """Names of the driven joints, or of the goal's own rows, that count."""
+        if self.goal not in JOINT_GOALS:
+            return tuple(block.name for block in goal_blocks(mechanism, self.goal))
         for joint in self.joints or ():
             if joint not in mechanism.driven:
                 hint = nearest(joint, mechanism.driven)
                 raise InputError(f"joint {joint!r} is not driven", where="objective.joints", hint=hint)
         return self.joints or mechanism.driven
 
-    def rows(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Names of a design's rows that count: joints, or the goal itself."""
-        return self.counted(mechanism) if self.goal in JOINT_GOALS else (self.goal,)
-
     def scales(self, mechanism: Mechanism) -> Array:
-        """Factor of every counted joint's row: 1, or one over its motor limit."""
+        """Factor of every counted block: 1, or one over the joint's motor limit."""
         joints = self.counted(mechanism)
         if self.divisor != "motor":
             return np.ones(len(joints))
@@ -89,14 +95,10 @@ class Aim:
         bare is the same goal without balancers, which `before` divides by.
         """
         weight = weight / weight.sum() if effort.b.shape[-2] == len(weight) else np.ones(1)
-        if self.goal in JOINT_GOALS:
-            columns = [effort.rows(joint).start for joint in self.counted(mechanism)]
-            scale, sizes = self.scales(mechanism), (1,) * len(columns)
-        else:
-            columns, sizes = list(range(effort.b.shape[-1])), tuple(block.size for block in effort.blocks)
-            scale = np.ones(len(columns))
-        known = bare.b[..., columns] * scale
+        columns, scale = self.columns(mechanism)
+        sizes = tuple(block.size for block in self.blocks(mechanism))
         if self.divisor == "before":
+            known = bare.b[..., columns]
             before = Term(self.goal, self.norm, known, np.zeros((*known.shape, 0)), weight, sizes).value(np.zeros(0))
             if not before > 0:
                 raise InputError(f"the {self.goal} is zero before balancing", where="objective", hint="no divisor")
@@ -104,15 +106,26 @@ class Aim:
         b, A = effort.b[..., columns] * scale, effort.A[..., columns, :] * scale[:, None]
         return Term(self.goal, self.norm, b, A, weight, sizes, self.weight, self.cap)
 
+    def columns(self, mechanism: Mechanism) -> tuple[NDArray[np.int_], Array]:
+        """Numbers (R,) of the counted rows among the goal's, and the factor (R,) of each."""
+        counted, every = self.blocks(mechanism), goal_blocks(mechanism, self.goal)
+        first = dict(zip([block.name for block in every], np.cumsum([0, *[b.size for b in every]]), strict=False))
+        rows = [np.arange(block.size) + first[block.name] for block in counted]
+        return np.concatenate(rows), np.repeat(self.scales(mechanism), [block.size for block in counted])
+
     def unit(self, mechanism: Mechanism) -> str:
         """Unit of the norm's value."""
-        if self.divisor:
-            return "of the motor limit" if self.divisor == "motor" else "of the value before"
-        if self.goal not in JOINT_GOALS:
-            return UNITS[self.goal]
-        return " or ".join(
-            sorted({mechanism.driven_units[mechanism.driven.index(joint)] for joint in self.counted(mechanism)})
-        )
+        units = {block.unit for block in self.blocks(mechanism)}
+        shares = {"motor": "of the motor limit", "before": "of the value before"}
+        return shares[self.divisor] if self.divisor else " or ".join(sorted(units))
+
+
+def goal_blocks(mechanism: Mechanism, goal: str) -> tuple[Block, ...]:
+    """All blocks of rows of a goal."""
+    if goal == "wrench":
+        return platform.blocks(mechanism)
+    own = {"force": FORCE, "moment": MOMENT, "mass": MASS}
+    return (own[goal],) if goal in own else mechanism.driven_blocks
 
 
 def as_objective(norm: Norm | None, objective: Aim | Sequence[Aim] | None) -> tuple[Aim, ...]:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equipoise.affine import Array, Block, magnitudes
 from equipoise.assemble import account, reported
-from equipoise.affine import Array, Block
 from equipoise.design import Row
 from equipoise.mechanism import Mechanism
 from equipoise.peaks import polish
@@ -89,7 +89,7 @@ def table(mechanism: Mechanism, sweep: Sweep, states: States, account: Account) 
     """A row per block of an account (states) -> (blocks, residual): norms over the sweep's weights, peaks polished."""
     weight = states.weight / states.weight.sum()
     blocks, residual = account(states)
-    magnitude = magnitudes(blocks, residual)
+    magnitude = magnitudes(residual, [block.size for block in blocks])
     sampled = magnitude.reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
     peaks = polish(lambda found: worst(mechanism, sweep, found, account), sweep.coordinates, sampled, sweep.region)
     limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True))
@@ -109,10 +109,5 @@ def table(mechanism: Mechanism, sweep: Sweep, states: States, account: Account) 
 def worst(mechanism: Mechanism, sweep: Sweep, coordinates: Array, account: Account) -> Array:
     """Block norms (M, B) at coordinates (M, c) of the sweep, the worst over the payload scenarios."""
     blocks, residual = account(mechanism.states(sweep.at(coordinates)))
-    return magnitudes(blocks, residual).reshape(len(sweep.scenarios), len(coordinates), -1).max(axis=0)
-
-
-def magnitudes(blocks: Sequence[Block], residual: Array) -> Array:
-    """Euclidean norm (N, B) of every block of a residual (N, R)."""
-    starts = np.cumsum([0, *(block.size for block in blocks[:-1])])
-    return np.sqrt(np.add.reduceat(residual**2, starts, axis=-1))
+    size = magnitudes(residual, [block.size for block in blocks])
+    return size.reshape(len(sweep.scenarios), len(coordinates), -1).max(axis=0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array, Block, Unknown
+from equipoise.affine import Array, Block, Unknown, magnitudes
 from equipoise.assemble import Balancer, account, build, check, effort, reported, settled, thrift
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import InfeasibleError, InputError
@@ -15,15 +15,16 @@ from equipoise.limits import Limit
 from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
 from equipoise.motion.moves import Free
-from equipoise.objective import JOINT_GOALS, Aim, as_objective
+from equipoise.objective import Aim, as_objective
 from equipoise.peaks import polish
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.verbs.analyze import magnitudes, table, worst
+from equipoise.verbs.analyze import table, worst
 
 EXACT = 1e-9
+FLOOR = 1e-6
 ROUNDS = 12
 BETWEEN = 1e-7
 
@@ -186,7 +187,9 @@ def _between(task: Task, states: States, program: Program, solution: Solution) -
         term = aim.term(task.mechanism, whole, bare, np.ones(len(bare.b)))
         return [Block("", "", size) for size in term.sizes], term.residual(solution.theta)
 
-    sampled = magnitudes(*counted(states)).reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
+    blocks, residual = counted(states)
+    size = magnitudes(residual, [block.size for block in blocks])
+    sampled = size.reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
     peaks = polish(
         lambda found: worst(task.mechanism, task.sweep, found, counted),
         task.sweep.coordinates,
@@ -298,7 +301,7 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
 
 
 def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...]:
-    """Joints that hold the peak up although nothing that may change, by `sizes` (P,), reaches them."""
+    """Joints whose torque is the peak, although nothing that may change, by `sizes` (P,), reaches them."""
     term = next(term for term in program.terms if term.cap is None)
     mine = next(term for term in balanced.program.terms if term.cap is None)
     aim = next(aim for aim in balanced.task.objective if aim.cap is None)
@@ -309,11 +312,9 @@ def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...
     share = balanced.solution.prices.share[mine.name]
     if not balanced.program.unknowns:
         share = mine.magnitudes(mine.b).max(axis=0) >= balanced.solution.objective * (1 - 1e-9)
-    if aim.goal not in JOINT_GOALS:
-        return ()
-    joints = aim.rows(balanced.task.mechanism)
+    joints = aim.counted(balanced.task.mechanism)
     return tuple(
-        joint for joint, part, moved in zip(joints, share, reach, strict=True) if part > 0.05 and moved <= EXACT * load
+        joint for joint, high, moved in zip(joints, held, reach, strict=True) if high and moved <= EXACT * load
     )
 
 
