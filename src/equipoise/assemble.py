@@ -152,8 +152,8 @@ def build(
     terms = []
     for aim in objective:
         whole = effort(mechanism, balancers, states, aim.goal, aim.pole).expand(unknowns)
-        bare = whole if aim.divisor != "before" else effort(mechanism, (), states, aim.goal, aim.pole)
-        terms.append(aim.term(mechanism, whole, bare, states.weight))
+        bare = effort(mechanism, (), states, aim.goal, aim.pole) if aim.divisor == "before" else None
+        terms.append(aim.term(mechanism, whole, states.weight, bare))
     definite = tuple(one.expand(unknowns) for one in realisable(balancers))
     return Program(unknowns, tuple(terms), tuple(row.expand(unknowns) for row in rows), definite)
 

@@ -89,15 +89,15 @@ class Aim:
             )
         return 1.0 / limits
 
-    def term(self, mechanism: Mechanism, effort: Affine, bare: Affine, weight: Array) -> Term:
+    def term(self, mechanism: Mechanism, effort: Affine, weight: Array, bare: Affine | None = None) -> Term:
         """The term of a program: the counted rows of an effort, scaled; weights (N,) need not sum to one.
 
         bare is the same goal without balancers, which `before` divides by.
         """
-        weight = weight / weight.sum() if effort.b.shape[-2] == len(weight) else np.ones(1)
         columns, scale = self.columns(mechanism)
         sizes = tuple(block.size for block in self.blocks(mechanism))
-        if self.divisor == "before":
+        weight = weight / weight.sum() if effort.b.shape[-2] == len(weight) else np.ones(1)
+        if self.divisor == "before" and bare is not None:
             known = bare.b[..., columns]
             before = Term(self.goal, self.norm, known, np.zeros((*known.shape, 0)), weight, sizes).value(np.zeros(0))
             if not before > 0:

@@ -14,6 +14,8 @@ from equipoise.loops import accelerations, ancestors, close_loops, close_motion
 from equipoise.mechanism import Mechanism, Point
 
 if TYPE_CHECKING:
+    import mujoco
+
     from equipoise.sweep import Sweep
 
 

@@ -311,7 +311,7 @@ class Sweep:
         return self.poses if self.moves is None else self.moves.coordinates
 
     @property
-    def region(self) -> Array | None:
+    def domain(self) -> Array | None:
         """Bounds (c, 2) that the coordinates stand for, or None for a bare list."""
         return self.box if self.moves is None else self.moves.region
 

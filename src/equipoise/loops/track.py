@@ -73,7 +73,7 @@ def _knots(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, motion: Mo
     known = _known.get(motion)
     if known is not None and known[0]() is mechanism:
         return known[1]
-    loop, model = branch.loop, mechanism.model
+    loop = branch.loop
     fine = np.linspace(motion.start, motion.end, FINE)
     way = checked(mechanism, motion.at(fine)[0])
     scaled = way[:, branch.places] / loop.columns[loop.driven]

@@ -21,7 +21,8 @@ class Working:
 class Answer:
     """What a solver says: theta and a multiplier for every working sample, row, bound and cap.
 
-    y[i] stacks the rows of term i's working samples, level[i] is the multiplier of an rms term's cone; excess
+    y[i] stacks the rows of term i's working samples, of an rms term those of its triangle (or none, where
+    level[i] along the residual says all); level[i] is the multiplier of an rms term's cone; excess
     is the common relative excess of an elastic program, definite[k] (k, k) the multiplier of a definite matrix.
     """
 

@@ -140,7 +140,8 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
         multiplier = dual(second, place) / load
         sample = spread(term.sizes, flat)[0]
         answer.level.append(float(multiplier[0]) if term.norm == "rms" else 0.0)
-        answer.y.append(np.zeros(0) if term.norm == "rms" else -multiplier[np.arange(len(sample)) + sample + 1])
+        tail = slice(1, None) if term.norm == "rms" else np.arange(len(sample)) + sample + 1
+        answer.y.append(-multiplier[tail])
         answer.cap.append(float(dual(linear, cap)[0]) / load if cap is not None else 0.0)
     answer.definite = [square(dual(spectral, place), k) for place, k in zip(spectral_places, orders, strict=True)]
     answer.excess = float(max(0.0, x[excess])) if elastic is not None else 0.0

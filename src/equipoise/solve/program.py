@@ -144,7 +144,8 @@ class Program:
             if rows.h.size:
                 size = np.where(size > 0, size, np.abs(rows.G).max(axis=0) / rows.scale)
         for definite in self.definite:
-            size = np.where(size > 0, size, np.abs(definite.S).max(axis=(1, 2)))
+            # one kg of matrix: an inertia that no residual feels must not be counted in rounding errors
+            size = np.maximum(size, np.abs(definite.S).max(axis=(1, 2)))
         return 1.0 / np.where(size > 0, size, 1.0)
 
     def _called_up(self, slope: Array) -> float:

@@ -91,7 +91,7 @@ def table(mechanism: Mechanism, sweep: Sweep, states: States, account: Account) 
     blocks, residual = account(states)
     magnitude = magnitudes(residual, [block.size for block in blocks])
     sampled = magnitude.reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    peaks = polish(lambda found: worst(mechanism, sweep, found, account), sweep.coordinates, sampled, sweep.region)
+    peaks = polish(lambda found: worst(mechanism, sweep, found, account), sweep.coordinates, sampled, sweep.domain)
     limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True))
     return {
         block.name: Row(

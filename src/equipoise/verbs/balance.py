@@ -180,11 +180,12 @@ def _between(task: Task, states: States, program: Program, solution: Solution) -
     aims = [aim for aim in task.objective if aim.cap is None]
     if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak" or aims[0].goal == "mass":
         return np.zeros((0, task.sweep.coordinates.shape[1]))
-    aim, bare = aims[0], task.mechanism.effort(states, aims[0].goal)
+    aim = aims[0]
+    bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
 
     def counted(other: States) -> tuple[Sequence[Block], Array]:
         whole = effort(task.mechanism, task.balancers, other, aim.goal, aim.pole).expand(program.unknowns)
-        term = aim.term(task.mechanism, whole, bare, np.ones(len(bare.b)))
+        term = aim.term(task.mechanism, whole, np.ones(len(other)), bare)
         return [Block("", "", size) for size in term.sizes], term.residual(solution.theta)
 
     blocks, residual = counted(states)
@@ -194,7 +195,7 @@ def _between(task: Task, states: States, program: Program, solution: Solution) -
         lambda found: worst(task.mechanism, task.sweep, found, counted),
         task.sweep.coordinates,
         sampled,
-        task.sweep.region,
+        task.sweep.domain,
     )
     level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
     load = max(float(np.abs(term.b).max()) for term in program.terms)
@@ -270,7 +271,7 @@ def is_exact(balanced: Balanced) -> bool:
 
     if not vanishes(program):
         return False
-    region = task.sweep.region
+    region = task.sweep.domain
     if region is None:
         return True
     others = region[:, 0] + np.random.default_rng(0).random((256, len(region))) * (region[:, 1] - region[:, 0])
@@ -308,11 +309,11 @@ def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...
     load = max(balanced.program.loads)
     if term.norm != "peak" or balanced.solution.objective <= EXACT * load:
         return ()
-    reach = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
-    share = balanced.solution.prices.share[mine.name]
-    if not balanced.program.unknowns:
-        share = mine.magnitudes(mine.b).max(axis=0) >= balanced.solution.objective * (1 - 1e-9)
+    rows = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
+    reach = np.maximum.reduceat(rows, np.cumsum((0, *term.sizes[:-1])))
     joints = aim.counted(balanced.task.mechanism)
+    largest = mine.magnitudes(mine.residual(balanced.solution.theta)).max(axis=0)
+    held = largest >= balanced.solution.objective * (1 - FLOOR)
     return tuple(
         joint for joint, high, moved in zip(joints, held, reach, strict=True) if high and moved <= EXACT * load
     )

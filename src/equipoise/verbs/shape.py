@@ -112,7 +112,7 @@ def load_of(task: Task, states: States) -> float:
     for aim in task.objective:
         bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
         if aim.cap is None and np.any(bare.b):
-            load += aim.weight * aim.term(task.mechanism, bare, bare, states.weight).value(np.zeros(0))
+            load += aim.weight * aim.term(task.mechanism, bare, states.weight, bare).value(np.zeros(0))
     if not load > 0:
         raise InputError("nothing loads what counts", where="objective", hint="check gravity, joints")
     return load
