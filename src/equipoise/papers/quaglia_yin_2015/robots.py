@@ -1,0 +1,142 @@
+"""The two robots of the paper with Table 1's data, the poses it looks at, and how it measures what is left."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any
+
+import numpy as np
+
+import equipoise as eq
+from equipoise.affine import Array
+
+MASSES, LENGTHS, CENTRES, CRANK = (100.0, 40.0), (1.2, 1.0), (0.6, 0.5), 0.2
+GRAVITY = (0.0, 0.0, -9.8)
+LARGEST = (1058.4, 196.0)
+"""(m1 r1 + m2 l1) g and m2 r2 g, N m: Eqs. 10 and 24."""
+HALF, ELBOW = (-90.0, 90.0), (18.0, 162.0)
+"""Ranges of th1 and of the elbow angle phi, deg."""
+WORKSPACE = (ELBOW[0] - 270.0, ELBOW[1] - 90.0)
+"""Range of th2 = phi + th1 - 180, deg."""
+
+
+TINY = 1e-9
+"""Percent of the largest torque: rounding."""
+
+
+@functools.cache
+def first(others: tuple[float, float] = (0.0, 0.0)) -> eq.Mechanism:
+    """Structure I: both motors on the base, the elbow driven through a parallelogram; links 3 and 4 may weigh, kg."""
+    coms = ((CENTRES[0], 0.0), (CENTRES[1], 0.0), None, None)
+    (a, b), (c, d) = np.radians((HALF, WORKSPACE)).tolist()
+    limits = ((a, b), (c, d))
+    return eq.parallelogram_robot(*LENGTHS, -0.4, masses=(*MASSES, *others), coms=coms, limits=limits, gravity=GRAVITY)
+
+
+@functools.cache
+def second() -> eq.Mechanism:
+    """Structure II: motor 2 sits at the elbow; joint angles are relative."""
+    links = [eq.Link(f"link{i + 1}", LENGTHS[i], MASSES[i], com=CENTRES[i]) for i in range(2)]
+    return eq.chain(links, gravity=GRAVITY)
+
+
+@functools.cache
+def alone(link: int) -> eq.Mechanism:
+    """One link with all that it carries, its angle absolute: in structure I the links do not see each other."""
+    mass = (sum(MASSES), MASSES[1])[link - 1]
+    carried = (MASSES[0] * CENTRES[0] + MASSES[1] * LENGTHS[0], MASSES[1] * CENTRES[1])[link - 1]
+    return eq.chain([eq.Link("link", LENGTHS[link - 1], mass, com=carried / mass)], gravity=GRAVITY)
+
+
+def pivoted(name: str, body: str, law: Any, alpha: Any = 90.0, ra: Any = 6.0) -> eq.Spring:
+    """A spring from a fixed pivot at ra b and alpha deg to the pin of a crank b that turns with a body."""
+    turn = np.radians(alpha)
+    pivot = eq.Point("world", (ra * CRANK * np.cos(turn), 0.0, ra * CRANK * np.sin(turn)))
+    return eq.Spring(name, eq.Line(pivot, eq.Point(body, (CRANK, 0.0, 0.0))), law)
+
+
+def at(link: int, degrees: Any, weight: Array | None = None, label: str = "") -> eq.Sweep:
+    """A link alone at given angles to the horizontal, deg."""
+    turn = np.radians(np.ravel(degrees))[:, None]
+    return eq.Sweep(turn, np.ones(len(turn)) if weight is None else weight, label or f"link {link}")
+
+
+@functools.cache
+def along(low: float = HALF[0], high: float = HALF[1], count: int = 20001) -> eq.Sweep:
+    """A link alone that turns evenly from low to high, deg, weighted by the trapezoidal rule."""
+    weight = np.ones(count)
+    weight[[0, -1]] = 0.5
+    return eq.Sweep(np.radians(np.linspace(low, high, count))[:, None], weight, f"{low:g} to {high:g} deg")
+
+
+@functools.cache
+def workspace(count: int = 20001) -> eq.Sweep:
+    """Link 2 where th1 and phi cover their ranges evenly: the density of th2 is a trapezoid, the sweep's weights."""
+    degrees = np.linspace(*WORKSPACE, count)
+    low, high = np.maximum(HALF[0], degrees + 180.0 - ELBOW[1]), np.minimum(HALF[1], degrees + 180.0 - ELBOW[0])
+    weight = np.maximum(high - low, 0.0)
+    return eq.Sweep(np.radians(degrees)[:, None], weight, "th1 in (-90, 90) and phi in (18, 162) deg")
+
+
+def yoke(name: str, angle: Any, law: Any, phase: float = math.pi, **more: Any) -> eq.Spring:
+    """A spring on a Scotch yoke whose crank b turns with an angle; at phase pi a pulling force lifts."""
+    return eq.Spring(name, eq.ScotchYoke(angle, CRANK, phase, **more), law)
+
+
+def both(first_link: Array, second_link: Array) -> eq.Sweep:
+    """Structure I with its links at given angles to the horizontal, rad."""
+    return eq.Sweep(np.stack([first_link, second_link], axis=1), np.ones(len(first_link)), "both links")
+
+
+def pairs(first_step: float, elbow_step: float) -> tuple[Array, Array]:
+    """The same workspace as a grid, ends included: th1 and th2 of all its points, rad."""
+    th1 = np.arange(HALF[0], HALF[1] + 1e-9, first_step)
+    phi = np.arange(ELBOW[0], ELBOW[1] + 1e-9, elbow_step)
+    a, b = (np.radians(axis.ravel()) for axis in np.meshgrid(th1, phi, indexing="ij"))
+    return a, a + b - math.pi
+
+
+def matched(link: int, alpha: Any = 90.0, ra: Any = 6.0) -> Any:
+    """The constant force of Eq. 11 (..., 1), N: the one that carries the link where it is level."""
+    level = states(link, _level(link))
+    pull = pivoted("s", "link", eq.Constant(), alpha, ra).effort(level, "hold")
+    return -level.holding[:, 0] / pull.A[..., 0, 0]
+
+
+@functools.cache
+def _level(link: int) -> eq.Sweep:
+    return at(link, 0.0)
+
+
+def ideal(link: int, ra: float = 6.0, n: float = 1.0) -> eq.Linear:
+    """Eqs. 17, 18 and 21: n times the ideal rate, and the same force at the length where the link is level."""
+    level, k = CRANK * math.hypot(1.0, ra), LARGEST[link - 1] / (ra * CRANK**2)
+    return eq.Linear(k=n * k, preload=(1 - n) * k * level)
+
+
+def error(link: int, law: Any, sweep: eq.Sweep, alpha: Any = 90.0, ra: Any = 6.0) -> Array:
+    """Eq. 19: torque of a pivoted spring less gravity's over the largest of gravity, in percent (..., N)."""
+    return left(link, pivoted("s", "link", law, alpha, ra), sweep)
+
+
+def left(link: int, spring: eq.Spring, sweep: eq.Sweep) -> Array:
+    """What a spring with a known law leaves of a link's weight, in percent of its largest torque (..., N)."""
+    here = states(link, sweep)
+    return -100.0 * (here.holding + spring.effort(here, "hold").b)[..., 0] / LARGEST[link - 1]
+
+
+@functools.lru_cache(maxsize=16)
+def states(link: int, sweep: eq.Sweep) -> eq.States:
+    """Kinematics of a link alone, kept: the same few sweeps come again and again."""
+    return alone(link).states(sweep)
+
+
+def mean(values: Array, sweep: eq.Sweep) -> Array:
+    """Weighted mean of the magnitude over the last axis."""
+    return np.abs(values) @ sweep.weight / sweep.weight.sum()
+
+
+def constant_force(link: int, sweep: eq.Sweep, alpha: Any, ra: Any = 6.0) -> Array:
+    """Error (..., N), percent, of the constant force of Eq. 11."""
+    return error(link, eq.Constant(matched(link, alpha, ra)), sweep, alpha, ra)
