@@ -12,6 +12,7 @@ from equipoise.loops import close_loops
 from equipoise.models.chain import Link, chain
 from equipoise.models.four_bar import crank_range, four_bar
 from equipoise.models.parallelogram_arm import parallelogram_arm
+from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
 from equipoise.states import kinematics
 
@@ -148,6 +149,22 @@ def test_parallelogram_head_stays_parallel(post):
     assert energy == pytest.approx(G * height, abs=1e-10)
 
 
+@pytest.mark.parametrize("crank", [-0.4, 0.25])
+def test_the_torques_of_a_parallelogram_robot_do_not_mix(crank):
+    """S1 g cos t1 and S2 g cos t2, with crank and rod of any mass; a crank behind is a partial counterweight."""
+    box = np.radians([(-90, 90), (-252, 72)])
+    masses, coms = (100.0, 40.0, 3.0, 6.0), ((0.6, 0.0), (0.5, 0.0), None, (0.7, 0.0))
+    arm = parallelogram_robot(1.2, 1.0, crank, masses=masses, coms=coms, limits=box)
+    t1, elbow = RNG.uniform(*box[0], 200), np.radians(RNG.uniform(18, 162, 200))
+    t2 = t1 + elbow - np.pi
+    torque, _, kin = hold(arm, np.stack([t1, t2], axis=1))
+    S1, S2 = 100 * 0.6 + 40 * 1.2 + 6 * 0.7, 40 * 0.5 + 3 * crank / 2 + 6 * crank
+    assert torque == pytest.approx(G * np.stack([S1 * np.cos(t1), S2 * np.cos(t2)], axis=1), abs=1e-9)
+    along = np.stack([np.cos(t2), 0 * t2, np.sin(t2)], axis=1)
+    assert kin.xmat[:, arm.body_id("forearm"), :, 0] == pytest.approx(along, abs=1e-12)
+    assert arm.driven == ("arm_joint", "crank_joint")
+
+
 def test_four_bar_energy_with_a_coupler_off_the_line():
     arm = four_bar(1.0, 0.3, 0.9, 0.8, masses=(1, 2, 3), coms=(None, (0.4, 0.25), (0.5, -0.1)), inertias=(0, 0.1, None))
     q, _ = close_loops(arm, np.linspace(-2, 2, 30)[:, None])
@@ -195,6 +212,11 @@ def test_crank_range_ends_where_the_linkage_is_flat():
         (lambda: slider_crank(0.2, 0.3, offset=0.6), r"\|offset\| \(0.6 m\) must be less than.*0.1 m too large"),
         (lambda: parallelogram_arm(-1.0), "length is -1 m"),
         (lambda: parallelogram_arm(1.0, (0.0, 0.0)), "distance of the pivots is 0 m"),
+        (lambda: parallelogram_robot(1.2, 1.0, 0.0), "length of the crank is 0 m"),
+        (
+            lambda: parallelogram_robot(1, 1, 0.2, limits=((-1, 1), (-1, 1))),
+            "at 0 and 0 deg: the parallelogram is flat",
+        ),
         (lambda: chain([]), "links is empty"),
         (lambda: chain([Link("a", 1.0), Link("a", 1.0)]), "link name 'a' is empty, reserved or used twice"),
         (lambda: chain([Link("a", 1.0, mass=float("inf"))]), r"chain\.a: mass is inf, a finite number"),

@@ -42,6 +42,7 @@ _HOME = {
     "chain": "models.chain",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
+    "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "slider_crank": "models.slider_crank",
     "analyze": "verbs.analyze",
@@ -50,6 +51,8 @@ _HOME = {
     "verify": "verbs.verify",
     "report": "verbs.report",
     "geometry_map": "verbs.geometry_map",
+    "reproduce": "verbs.reproduce",
+    "Claim": "claim",
     "Problem": "problem",
     "load_problem": "problem",
     "EquipoiseError": "errors",
@@ -91,6 +94,7 @@ if TYPE_CHECKING:
     )
     from equipoise.balancers.paths import Line
     from equipoise.balancers.spring import Spring
+    from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (
         DisagreementError,
@@ -106,6 +110,7 @@ if TYPE_CHECKING:
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
     from equipoise.models.parallelogram_arm import parallelogram_arm
+    from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank
     from equipoise.objective import Aim
     from equipoise.problem import Problem, load_problem
@@ -115,5 +120,6 @@ if TYPE_CHECKING:
     from equipoise.verbs.balance import balance
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
+    from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
     from equipoise.verbs.verify import verify

@@ -25,6 +25,7 @@ from equipoise.mechanism import Mechanism, Point
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
 from equipoise.models.parallelogram_arm import parallelogram_arm
+from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
@@ -32,6 +33,7 @@ from equipoise.units import Length as Metres
 BUILDERS: dict[str, Callable[..., Any]] = {
     "chain": chain,
     "parallelogram_arm": parallelogram_arm,
+    "parallelogram_robot": parallelogram_robot,
     "four_bar": four_bar,
     "slider_crank": slider_crank,
 }

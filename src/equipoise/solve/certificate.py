@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.solve.convex import Answer, Working, remainder, spread
+from equipoise.solve.answer import Answer, Working, spread
 from equipoise.solve.program import Program, Term
 
 
@@ -89,7 +89,7 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
         parts[k] = np.maximum(parts[k], 0.0)
     size = np.concatenate(parts)
     leftover, gain = size @ slope, 0.0
-    norms = [_dual_norm(t, working, parts[2 * i], parts[2 * i + 1], answer, i) for i, t in enumerate(program.terms)]
+    norms = [_dual_norm(t, working, parts[i], answer, i) for i, t in enumerate(program.terms)]
     if smooth is not None:
         leftover, gain, norms[smooth] = _through_rms(program, answer, smooth, leftover)
     excess = max(1.0, *norms)
@@ -105,7 +105,7 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
 
 
 def _term_columns(columns: _Columns, term: Term, working: Working, answer: Answer, i: int) -> None:
-    """Two column groups per term: its working samples (or its one cone), and a mean term's remainder."""
+    """One column group per term: its working samples, or its one cone."""
     if term.norm == "rms":
         r = term.residual(answer.theta)
         norm = max(term.value(answer.theta), 1e-300)
@@ -114,9 +114,6 @@ def _term_columns(columns: _Columns, term: Term, working: Working, answer: Answe
     else:
         _, state, row = spread(term.sizes, working.terms[i])
         columns.add(term.A[state, row], term.b[state, row], answer.y[i])
-    signs = working.signs[i] if term.norm == "mean" else np.zeros((0, term.b.size))
-    a, c = remainder(term, signs, working.terms[i])
-    columns.add(a, c, answer.rest[i])
 
 
 def _onto_stationarity(slope: Array, size: Array) -> Array:
@@ -144,7 +141,7 @@ def _through_rms(program: Program, answer: Answer, i: int, residual: Array) -> t
     return residual + factor[:, :-1].T @ step, float(step @ known), norm
 
 
-def _dual_norm(term: Term, working: Working, y: Array, rest: Array, answer: Answer, i: int) -> float:
+def _dual_norm(term: Term, working: Working, y: Array, answer: Answer, i: int) -> float:
     """Dual norm of a term's multipliers over its allowance (the factor, or a cap's own price)."""
     allowance = answer.cap[i] if term.cap is not None else term.factor
     if allowance <= 1e-12:
@@ -156,7 +153,7 @@ def _dual_norm(term: Term, working: Working, y: Array, rest: Array, answer: Answ
     if term.norm == "peak":
         return float(magnitude.sum()) / allowance
     weight = np.maximum(term.weight[working.terms[i] // len(term.sizes)], 1e-300)
-    return max(float((magnitude / weight).max(initial=0.0)), float(np.abs(rest).sum())) / allowance
+    return float((magnitude / weight).max(initial=0.0)) / allowance
 
 
 def _shares(term: Term, working: Working, answer: Answer, i: int) -> Array:

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from equipoise.solve.convex import Working, solve_restricted
+from equipoise.solve.answer import Working
+from equipoise.solve.convex import solve_restricted
 from equipoise.solve.program import Program
 
 FEASIBLE = 1e-8
@@ -34,7 +35,7 @@ def excess(program: Program, groups: list[str]) -> float:
     unknowns = tuple(
         u if f"bounds of {u.name}" in groups else replace(u, lower=-np.inf, upper=np.inf) for u in program.unknowns
     )
-    working = Working([], [np.arange(len(r.h)) for r in rows], [])
+    working = Working([], [np.arange(len(r.h)) for r in rows])
     answer = solve_restricted(Program(unknowns, (), rows), working, elastic=1.0)
     return answer.excess if answer.feasible else np.inf
 

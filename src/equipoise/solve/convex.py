@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import clarabel
@@ -10,42 +9,10 @@ import numpy as np
 from scipy import sparse
 
 from equipoise.affine import Array
-from equipoise.solve.program import Program, Term
+from equipoise.solve.answer import Answer, Working, spread
+from equipoise.solve.program import Program
 
 TINY = 1e-300
-
-
-@dataclass(eq=False)
-class Working:
-    """Which samples are spelled out: per term the flat (state, block) numbers, per limit the row numbers.
-
-    Of a mean term's other samples only the weighted sum under some sign patterns `signs` (K, N * B) is kept:
-    |r| >= s r for any s = +-1, and equal where s is the sign.
-    """
-
-    terms: list[Array]
-    rows: list[Array]
-    signs: list[Array]
-
-
-@dataclass(eq=False)
-class Answer:
-    """What the solver says: theta and a multiplier for every working sample, row, bound and cap.
-
-    y[i] stacks the rows of term i's working samples; rest[i] (K,) and level[i] are the multipliers of a mean
-    term's sign patterns and of an rms term's cone; excess is the common relative excess of an elastic program.
-    """
-
-    feasible: bool
-    theta: Array
-    y: list[Array] = field(default_factory=list)
-    rest: list[Array] = field(default_factory=list)
-    level: list[float] = field(default_factory=list)
-    row: list[Array] = field(default_factory=list)
-    cap: list[float] = field(default_factory=list)
-    lower: Array = field(default_factory=lambda: np.zeros(0))
-    upper: Array = field(default_factory=lambda: np.zeros(0))
-    excess: float = 0.0
 
 
 class _Cone:
@@ -77,25 +44,15 @@ class _Cone:
         return rows + first_row, cols, matrix
 
 
-def spread(sizes: tuple[int, ...], flat: Array) -> tuple[Array, Array, Array]:
-    """Rows behind flat (state, block) numbers: sample index, state and row, one entry per row."""
-    starts, counts = np.cumsum((0, *sizes[:-1])), np.array(sizes)
-    state, block = np.divmod(flat, len(sizes))
-    sample = np.repeat(np.arange(len(flat)), counts[block])
-    inside = np.arange(len(sample)) - np.repeat(np.cumsum(counts[block]) - counts[block], counts[block])
-    return sample, state[sample], starts[block][sample] + inside
-
-
 def solve_restricted(program: Program, working: Working, elastic: float | None = None) -> Answer:
     """Solve over the working samples; elastic is the price of a common relative excess over all limits.
 
-    Columns are theta, one level per term, one magnitude per working sample of a mean term and one for its
-    remainder, and last the excess. Residuals are scaled by each term's load, unknowns by the program's scale.
+    Columns are theta, one level per term, one magnitude per working sample of a mean term, and last the excess. Residuals are scaled by each term's load, unknowns by the program's scale.
     """
     P, T = len(program.unknowns), len(program.terms)
     scale = program.scale
     loads = program.loads
-    extra = [len(w) + 1 if t.norm == "mean" else 0 for t, w in zip(program.terms, working.terms, strict=True)]
+    extra = [len(w) if t.norm == "mean" else 0 for t, w in zip(program.terms, working.terms, strict=True)]
     first = P + T + np.cumsum((0, *extra))
     excess, width = int(first[-1]), int(first[-1]) + (elastic is not None)
     equal, linear, second = _Cone(), _Cone(), _Cone()
@@ -124,7 +81,7 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
         cost[excess] = elastic
         linear.add([0.0], (0, excess, -1.0))
 
-    term_places, cap_places, rest_places = [], [], []
+    term_places, cap_places = [], []
     for i, (term, load) in enumerate(zip(program.terms, loads, strict=True)):
         level = P + i
         if term.cap is None:
@@ -151,9 +108,8 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
             place = second.add(rhs, (head, top, -1.0), body)
             sizes += counts.tolist()
         if term.norm == "mean":
-            rest_places.append(_mean_rows(linear, term, working, i, level, int(first[i]), scale, load))
-        else:
-            rest_places.append(None)
+            weights = term.weight[working.terms[i] // len(term.sizes)]
+            linear.add([0.0], (0, level, -1.0), (0, first[i] + np.arange(len(weights)), weights))
         term_places.append(place)
 
     solution = _clarabel(cost, (equal, linear, second), sizes, width)
@@ -174,44 +130,14 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
     answer.lower, answer.upper = np.zeros(P), np.zeros(P)
     for target, (which, place) in zip((answer.lower, answer.upper), bound_places, strict=True):
         target[which] = dual(linear, place) / scale[which]
-    for term, load, place, cap, rest, flat in zip(
-        program.terms, loads, term_places, cap_places, rest_places, working.terms, strict=True
-    ):
+    for term, load, place, cap, flat in zip(program.terms, loads, term_places, cap_places, working.terms, strict=True):
         multiplier = dual(second, place) / load
         sample = spread(term.sizes, flat)[0]
         answer.level.append(float(multiplier[0]) if term.norm == "rms" else 0.0)
         answer.y.append(np.zeros(0) if term.norm == "rms" else -multiplier[np.arange(len(sample)) + sample + 1])
         answer.cap.append(float(dual(linear, cap)[0]) / load if cap is not None else 0.0)
-        answer.rest.append(dual(linear, rest)[2:] / load if rest is not None else np.zeros(0))
     answer.excess = float(max(0.0, x[excess])) if elastic is not None else 0.0
     return answer
-
-
-def _mean_rows(
-    linear: _Cone, term: Term, working: Working, i: int, level: int, first: int, scale: Array, load: float
-) -> slice:
-    """Rows level >= sum w e + e_rest, e_rest >= 0 and e_rest >= a_k . theta + c_k of a mean term."""
-    flat = working.terms[i]
-    a, c = remainder(term, working.signs[i], flat)
-    rest = first + len(flat)
-    count = len(c)
-    weights = (0, first + np.arange(len(flat)), term.weight[flat // len(term.sizes)])
-    return linear.add(
-        np.r_[0.0, 0.0, -c / load],
-        (0, level, -1.0),
-        weights,
-        (0, rest, 1.0),
-        (1 + np.arange(count + 1), rest, -1.0),
-        linear.dense(a * scale / load, 2),
-    )
-
-
-def remainder(term: Term, signs: Array, flat: Array) -> tuple[Array, Array]:
-    """(a, c) (K, P), (K,): per sign pattern the weighted sum a . theta + c of all samples outside `flat`."""
-    kept = signs.copy()
-    kept[:, flat] = 0.0
-    weighted = kept.reshape(-1, *term.b.shape) * term.weight[:, None]
-    return np.einsum("knr,nrp->kp", weighted, term.A), np.einsum("knr,nr->k", weighted, term.b)
 
 
 def _clarabel(cost: Array, cones: tuple[_Cone, _Cone, _Cone], sizes: list[int], width: int) -> Any:

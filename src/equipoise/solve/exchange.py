@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,9 +11,12 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import EquipoiseError, InfeasibleError
 from equipoise.solve.certificate import Gap, Multipliers, certify
-from equipoise.solve.convex import Answer, Working, remainder, solve_restricted
+from equipoise.solve.answer import Answer, Working
+from equipoise.solve.convex import solve_restricted
+from equipoise.solve.least_distance import is_least_squares, solve_least_distance
 from equipoise.solve.polish import polish
 from equipoise.solve.program import Program, Term
+from equipoise.solve.simplex import is_linear, solve_linear
 
 TOLERANCE = 1e-9
 ROUNDS = 60
@@ -71,14 +75,13 @@ def solve(program: Program, *, elastic: float | None = None, warm: Working | Non
     working set of a similar program. Raises InfeasibleError naming the limits that conflict.
     """
     if warm is not None and all(term.norm == "peak" for term in program.terms) and program.unknowns:
-        working = Working([w.copy() for w in warm.terms], [w.copy() for w in warm.rows], list(warm.signs))
+        working = Working([w.copy() for w in warm.terms], [w.copy() for w in warm.rows])
         answer = _exchange(program, working, elastic)
         return Solution(answer.theta, program, working, answer)
     start = least_squares(program)
     if _plain(program, start):
         empty = np.zeros(0, dtype=int)
-        signs = [np.zeros((0, 0)) for _ in program.terms]
-        working = Working([empty for _ in program.terms], [empty for _ in program.rows], signs)
+        working = Working([empty for _ in program.terms], [empty for _ in program.rows])
         answer = _plain_answer(program, start)
     else:
         working = _initial(program, start) if warm is None else _refresh(program, warm, start)
@@ -109,7 +112,6 @@ def _plain_answer(program: Program, theta: Array) -> Answer:
     empty = np.zeros(0)
     for term in program.terms:
         answer.y.append(empty)
-        answer.rest.append(empty)
         answer.cap.append(0.0)
         answer.level.append(term.factor if term.value(theta) > 0 else 0.0)
     answer.row = [np.zeros(0) for _ in program.rows]
@@ -117,8 +119,9 @@ def _plain_answer(program: Program, theta: Array) -> Answer:
 
 
 def _exchange(program: Program, working: Working, elastic: float | None) -> Answer:
+    restricted = _method(program, elastic)
     for _ in range(ROUNDS):
-        answer = solve_restricted(program, working, elastic)
+        answer = restricted(working)
         if not answer.feasible:
             from equipoise.solve.conflict import explain
 
@@ -132,44 +135,42 @@ def _exchange(program: Program, working: Working, elastic: float | None) -> Answ
     )
 
 
+def _method(program: Program, elastic: float | None) -> Callable[[Working], Answer]:
+    """What solves the restricted program: least distance, the dual simplex, or else the cone solver."""
+    if is_linear(program):
+        return lambda working: solve_linear(program, working, elastic)
+    if elastic is None and is_least_squares(program):
+        return lambda working: solve_least_distance(program, working) or solve_restricted(program, working)
+    return lambda working: solve_restricted(program, working, elastic)
+
+
 def _initial(program: Program, theta: Array) -> Working:
-    """The worst samples at zero and at least squares, and for a mean term the samples whose sign is in doubt."""
+    """The worst samples at zero and at least squares, and all that a mean term has."""
     terms: list[Array] = []
-    signs: list[Array] = []
     for term in program.terms:
-        r = term.residual(theta)
-        sign = np.zeros((0, r.shape[0] * len(term.sizes)))
         if term.norm == "rms":
             chosen = np.zeros(0, dtype=int)
         elif term.norm == "peak":
-            chosen = np.union1d(_worst(term, r), _worst(term, term.b))
-        elif all(size == 1 for size in term.sizes):
-            order = np.argsort(np.abs(r).ravel())
-            chosen = np.sort(order[: max(50, len(order) // 12)])
-            sign = np.sign(r).reshape(1, -1)
+            chosen = np.union1d(_worst(term, term.residual(theta)), _worst(term, term.b))
         else:
-            chosen = np.arange(r.shape[0] * len(term.sizes))
+            chosen = np.arange(term.b.shape[0] * len(term.sizes))
         terms.append(chosen)
-        signs.append(sign)
     rows = [
         np.arange(len(rows.h)) if rows.equality else _worst_rows(rows.excess(theta), np.zeros(0, dtype=int), force=True)
         for rows in program.rows
     ]
-    return Working(terms, rows, signs)
+    return Working(terms, rows)
 
 
 def _refresh(program: Program, warm: Working, theta: Array) -> Working:
-    """A known working set for a program of the same shape; the signs of mean terms are taken anew."""
+    """A known working set for a program of the same shape, with its own worst samples added."""
     fresh = _initial(program, theta)
-    terms = [
-        np.union1d(old, new) if term.norm != "rms" else new
-        for term, old, new in zip(program.terms, warm.terms, fresh.terms, strict=True)
-    ]
+    terms = [np.union1d(old, new) for old, new in zip(warm.terms, fresh.terms, strict=True)]
     rows = [
         np.union1d(old[old < len(spec.h)], new).astype(int)
         for spec, old, new in zip(program.rows, warm.rows, fresh.rows, strict=True)
     ]
-    return Working(terms, rows, fresh.signs)
+    return Working(terms, rows)
 
 
 def _worst(term: Term, r: Array, count: int = BATCH) -> Array:
@@ -195,30 +196,17 @@ def _grow(program: Program, working: Working, answer: Answer) -> bool:
     """Add violated samples and rows to the working set; say whether there were any."""
     grew = False
     for i, term in enumerate(program.terms):
-        if term.norm == "rms":
+        if term.norm != "peak":
             continue
         r = term.residual(answer.theta)
-        if term.norm == "peak":
-            magnitude = term.magnitudes(r)
-            level = magnitude.ravel()[working.terms[i]].max(initial=0.0)
-            if magnitude.max() > level * (1 + TOLERANCE) + 1e-13 * program.loads[i]:
-                worst = _worst(term, r)
-                worst = worst[magnitude.ravel()[worst] > level]
-                grown = np.union1d(working.terms[i], worst)
-                grew |= len(grown) > len(working.terms[i])
-                working.terms[i] = grown
-        elif len(working.signs[i]):
-            flat = r.ravel()
-            doubtful = (flat * working.signs[i] < -1e-12 * np.abs(flat).max()).all(axis=0)
-            doubtful[working.terms[i]] = False
-            a, c = remainder(term, working.signs[i], working.terms[i])
-            outside = np.repeat(term.weight, len(term.sizes)) * np.abs(flat)
-            outside[working.terms[i]] = 0.0
-            if outside.sum() > (a @ answer.theta + c).max() + TOLERANCE * term.value(answer.theta):
-                near = np.flatnonzero(doubtful)[np.argsort(np.abs(flat[doubtful]))][: max(50, len(flat) // 12)]
-                working.terms[i] = np.union1d(working.terms[i], near)
-                working.signs[i] = np.vstack([working.signs[i], np.sign(flat)])
-                grew = True
+        magnitude = term.magnitudes(r)
+        level = magnitude.ravel()[working.terms[i]].max(initial=0.0)
+        if magnitude.max() > level * (1 + TOLERANCE) + 1e-13 * program.loads[i]:
+            worst = _worst(term, r)
+            worst = worst[magnitude.ravel()[worst] > level]
+            grown = np.union1d(working.terms[i], worst)
+            grew |= len(grown) > len(working.terms[i])
+            working.terms[i] = grown
     for k, rows in enumerate(program.rows):
         if rows.equality or not len(rows.h):
             continue

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.solve.convex import Answer, Working, spread
+from equipoise.solve.answer import Answer, Working, spread
 from equipoise.solve.program import Program
 
 ACTIVE = 1e-6

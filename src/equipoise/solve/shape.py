@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from equipoise.affine import Array, Unknown
-from equipoise.solve.convex import Working
+from equipoise.solve.answer import Working
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Program, Rows, Term, norm_value
 
