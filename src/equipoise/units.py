@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import math
 import re
-from dataclasses import dataclass
+import typing
+from dataclasses import dataclass, fields
 from typing import Annotated, Any
 
 from equipoise.errors import InputError
@@ -110,6 +111,21 @@ def _parse(text: str, unit: str, where: str) -> float:
         where=where,
         hint=f"give it in {unit}, or as a bare number in SI" if unit else "give a bare number",
     )
+
+
+def unit_marks(cls: type) -> dict[str, str]:
+    """The units of a dataclass's quantities {field: unit}, from the types of its fields."""
+    hints = typing.get_type_hints(cls, include_extras=True)
+    marks = {field.name: _mark(hints[field.name]) for field in fields(cls)}
+    return {name: unit for name, unit in marks.items() if unit is not None}
+
+
+def _mark(hint: Any) -> str | None:
+    for part in (*getattr(hint, "__metadata__", ()), *getattr(hint, "__args__", ())):
+        unit = part.unit if isinstance(part, Quantity) else _mark(part)
+        if unit is not None:
+            return unit
+    return None
 
 
 def along_path(unit: str, along: str) -> str:

@@ -69,7 +69,9 @@ class Spring:
         self._check_units(where)
         if np.any(np.real(self.own_mass) < 0):
             raise InputError(f"the mass of spring {self.name} is negative", where=where)
-        if np.isrealobj(self.mass_at) and not np.all((np.greater_equal(self.mass_at, 0)) & np.less_equal(self.mass_at, 1)):
+        if np.isrealobj(self.mass_at) and not np.all(
+            (np.greater_equal(self.mass_at, 0)) & np.less_equal(self.mass_at, 1)
+        ):
             raise InputError(
                 f"mass_at is {float(np.ravel(self.mass_at)[0]):g}, it must lie in 0..1",
                 where=where,
@@ -94,13 +96,14 @@ class Spring:
 
     def check_span(self, states: States) -> None:
         """Raise InputError where a length of the sweep leaves the span in which the law holds."""
-        low, high = self.law.span
+        if self.law.defined_beyond or self.law.span == (None, None):
+            return
         length = np.real(self.path.deform(states)[0])
-        for bound, worst, beyond in ((low, length.min(), np.less), (high, length.max(), np.greater)):
-            if bound is not None and beyond(worst, np.real(bound) * (1 - 1e-12 * np.sign(worst - np.real(bound)))):
+        for bound, reached, side in zip(self.law.span, (length.min(), length.max()), (1, -1), strict=True):
+            if bound is not None and side * (reached - float(bound)) < -1e-12 * abs(float(bound)):
                 raise InputError(
-                    f"spring {self.name} reaches {worst:.6g} {self.path.unit}, "
-                    f"its {self.law.span_words} ends at {float(np.real(bound)):.6g} {self.path.unit}",
+                    f"spring {self.name} reaches {reached:.6g} {self.path.unit}, "
+                    f"its {self.law.span_words} ends at {float(bound):.6g} {self.path.unit}",
                     where=f"spring {self.name}",
                     hint="move its ends, narrow the sweep, or change the law",
                 )

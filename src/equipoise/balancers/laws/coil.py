@@ -48,6 +48,11 @@ class Coil(Law):
         return (self.free_length if self.closes_free else self.closed_length), None
 
     @property
+    def defined_beyond(self) -> bool:
+        """A coil that would have to be shorter than closed is a limit not kept, not a law without a value."""
+        return True
+
+    @property
     def span_words(self) -> str:
         """What is reached at the end of the span."""
         return "closed length"

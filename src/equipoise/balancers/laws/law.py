@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import typing
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
@@ -11,7 +10,7 @@ import numpy as np
 
 from equipoise.affine import Array, Unknown
 from equipoise.balancers.laws.stored import Stored, store
-from equipoise.units import Quantity, along_path
+from equipoise.units import along_path, unit_marks
 
 FORCE = "N or N m"
 RATE = "N/m or N m/rad"
@@ -61,6 +60,11 @@ class Law:
     def span(self) -> tuple[Any, Any]:
         """Least and largest length at which the law holds, None where it has no such end."""
         return None, None
+
+    @property
+    def defined_beyond(self) -> bool:
+        """Whether the force means something outside the span, where the spring only cannot be built."""
+        return False
 
     @property
     def span_words(self) -> str:
@@ -130,25 +134,6 @@ class Law:
 
     def parameter_units(self, along: str = "m") -> dict[str, str]:
         """SI units of everything that `parameters` may name, on a path in m or rad."""
-        units = {name: unit for name, unit in field_units(type(self)).items()}
+        units = unit_marks(type(self))
         units |= {share.parameter: share.unit for share in self.shares(np.ones(1))}
         return {name: along_path(unit, along) for name, unit in units.items()}
-
-
-def field_units(cls: type) -> dict[str, str]:
-    """The unit marks of a dataclass's fields {name: unit}."""
-    hints = typing.get_type_hints(cls, include_extras=True)
-    found = {}
-    for field in fields(cls):
-        unit = _mark(hints[field.name])
-        if unit is not None:
-            found[field.name] = unit
-    return found
-
-
-def _mark(hint: Any) -> str | None:
-    for part in (*getattr(hint, "__metadata__", ()), *getattr(hint, "__args__", ())):
-        unit = part.unit if isinstance(part, Quantity) else _mark(part)
-        if unit is not None:
-            return unit
-    return None
