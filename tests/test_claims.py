@@ -14,7 +14,7 @@ from equipoise.claim import VERDICTS, Reason, Source, half_unit
 from equipoise.cli import main
 from equipoise.papers import SLUGS, find, paper
 from equipoise.papers.pages import markdown
-from equipoise.report.references import entries
+from equipoise.reporting.references import entries
 
 DOCS = Path(__file__).parent.parent / "docs" / "papers"
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")

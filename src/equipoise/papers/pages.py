@@ -10,10 +10,10 @@ from equipoise import __version__
 from equipoise.claim import Claim
 from equipoise.papers import words
 from equipoise.papers.paper import Drawing, Improvement, Paper
-from equipoise.report import style
-from equipoise.report.markup import Raw, element, image, join, listing, prose, section, small, table
-from equipoise.report.numbers import sig
-from equipoise.report.references import entries, reference
+from equipoise.reporting import style
+from equipoise.reporting.markup import Raw, element, image, join, listing, prose, section, small, table
+from equipoise.reporting.numbers import sig
+from equipoise.reporting.references import entries, reference
 
 DPI = 150
 
@@ -38,7 +38,7 @@ def html(paper: Paper, claims: Sequence[Claim], improved: Sequence[Improvement],
         ],
         "\n",
     )
-    css = (files("equipoise") / "report" / "page.css").read_text(encoding="utf-8")
+    css = (files("equipoise") / "reporting" / "page.css").read_text(encoding="utf-8")
     head = join(
         [
             Raw('<meta charset="utf-8">'),

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 from equipoise.claim import VERDICTS, Claim, digits
 from equipoise.papers.paper import Improvement, Paper
-from equipoise.report.numbers import sig
-from equipoise.report.references import reference
+from equipoise.reporting.numbers import sig
+from equipoise.reporting.references import reference
 
 WIDTH = 118
 WHERE = 16

@@ -10,8 +10,8 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import EquipoiseError, InfeasibleError
-from equipoise.solve.certificate import Gap, Multipliers, certify
 from equipoise.solve.answer import Answer, Working
+from equipoise.solve.certificate import Gap, Multipliers, certify
 from equipoise.solve.convex import solve_restricted
 from equipoise.solve.least_distance import is_least_squares, solve_least_distance
 from equipoise.solve.polish import polish
@@ -136,12 +136,18 @@ def _exchange(program: Program, working: Working, elastic: float | None) -> Answ
 
 
 def _method(program: Program, elastic: float | None) -> Callable[[Working], Answer]:
-    """What solves the restricted program: least distance, the dual simplex, or else the cone solver."""
-    if is_linear(program):
-        return lambda working: solve_linear(program, working, elastic)
-    if elastic is None and is_least_squares(program):
-        return lambda working: solve_least_distance(program, working) or solve_restricted(program, working)
-    return lambda working: solve_restricted(program, working, elastic)
+    """What solves the restricted program: least distance or the dual simplex, and the cone solver where they cannot."""
+    linear, squares = is_linear(program), elastic is None and is_least_squares(program)
+
+    def restricted(working: Working) -> Answer:
+        answer = None
+        if linear:
+            answer = solve_linear(program, working, elastic)
+        elif squares:
+            answer = solve_least_distance(program, working)
+        return answer or solve_restricted(program, working, elastic)
+
+    return restricted
 
 
 def _initial(program: Program, theta: Array) -> Working:

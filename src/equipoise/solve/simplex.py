@@ -10,7 +10,13 @@ from equipoise.affine import Array
 from equipoise.solve.answer import Answer, Working
 from equipoise.solve.program import Program
 
-TOLERANCE = 1e-10
+OPTIONS = {
+    "output_flag": False,
+    "presolve": "off",
+    "solver": "simplex",
+    "primal_feasibility_tolerance": 1e-10,
+    "dual_feasibility_tolerance": 1e-10,
+}
 
 
 def is_linear(program: Program) -> bool:
@@ -44,16 +50,15 @@ class _Columns:
         return slice(self.count - count, self.count)
 
 
-def solve_linear(program: Program, working: Working, elastic: float | None = None) -> Answer:
+def solve_linear(program: Program, working: Working, elastic: float | None = None) -> Answer | None:
     """Solve over the working samples and rows; elastic is the price of a common relative excess over all limits.
 
         max  sum y . b - mu . h - u . nu + l . lam - sum cap kappa
         s.t. sum A' y + G' mu + nu - lam = 0;  peak: sum |y| <= factor or kappa;  mean: |y_n| <= factor w_n
 
-    theta is the price of the stationarity rows, so the vertex that solves the dual is exact in both.
+    theta is the price of the stationarity rows, so the vertex that solves the dual is exact in both. None where
+    there is no such vertex: the rows conflict, or the simplex gave up.
     """
-    from scipy.optimize import linprog
-
     P, T = len(program.unknowns), len(program.terms)
     scale, loads = program.scale, program.loads
     # Multipliers are counted in a unit that makes those of samples about one.
@@ -99,20 +104,18 @@ def solve_linear(program: Program, working: Working, elastic: float | None = Non
 
     budget = np.concatenate(columns.budget)
     used = np.flatnonzero((budget != 0).any(axis=0))
-    solution = linprog(
-        -np.concatenate(columns.value),
-        A_ub=budget[:, used].T,
-        b_ub=available[used],
-        A_eq=np.concatenate(columns.slope).T,
-        b_eq=np.zeros(P),
-        bounds=np.column_stack([np.concatenate(columns.low), np.concatenate(columns.high)]),
-        method="highs-ds",
-        options={"primal_feasibility_tolerance": TOLERANCE, "dual_feasibility_tolerance": TOLERANCE},
+    dual, marginal = _highs(
+        cost=-np.concatenate(columns.value),
+        columns=np.hstack([np.concatenate(columns.slope), budget[:, used]]),
+        low=np.concatenate(columns.low),
+        high=np.concatenate(columns.high),
+        sides=np.append(np.zeros(P), available[used]),
+        equal=P,
     )
-    if solution.x is None:
-        return Answer(False, np.zeros(P))
-    x = solution.x * unit
-    answer = Answer(True, solution.eqlin.marginals * scale)
+    if dual is None:
+        return None
+    x = dual * unit
+    answer = Answer(True, marginal[:P] * scale)
     for (place, share), load, cap in zip(samples, loads, caps, strict=True):
         signed = x[place] * share if share is not None else np.subtract(*np.split(x[place], 2))
         answer.y.append(signed / load)
@@ -125,5 +128,34 @@ def solve_linear(program: Program, working: Working, elastic: float | None = Non
     for target, (which, place) in zip((answer.lower, answer.upper), bound_places, strict=True):
         target[which] = x[place] / scale[which]
     if elastic is not None and T in used:
-        answer.excess = float(max(0.0, -solution.ineqlin.marginals[list(used).index(T)]))
+        answer.excess = float(max(0.0, -marginal[P + list(used).index(T)]))
     return answer
+
+
+def _highs(
+    *, cost: Array, columns: Array, low: Array, high: Array, sides: Array, equal: int
+) -> tuple[Array | None, Array]:
+    """Variables (n,) and row prices (m,) of min cost . v, columns' v = sides (the first `equal`) or <= sides.
+
+    columns (n, m). No variables where the program is unbounded, which is what an infeasible primal shows.
+    """
+    import highspy
+
+    count, rows = columns.shape
+    solver = highspy.Highs()
+    for option, value in OPTIONS.items():
+        solver.setOptionValue(option, value)
+    floor = np.full(rows, -np.inf)
+    floor[:equal] = sides[:equal]
+    start = np.arange(count + 1, dtype=np.int32) * rows
+    index = np.tile(np.arange(rows, dtype=np.int32), count)
+    integrality = np.zeros(count, dtype=np.int32)
+    solver.passModel(
+        count, rows, count * rows, 1, 1, 0.0,
+        cost, low, high, floor, sides, start, index, columns.ravel(), integrality,
+    )  # fmt: skip
+    solver.run()
+    if solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+        return None, np.zeros(rows)
+    solution = solver.getSolution()
+    return np.array(solution.col_value), np.array(solution.row_dual)

@@ -22,7 +22,7 @@ class Reproduction:
     def write(self, out: Path) -> list[Path]:
         """Write the page, a PNG file per figure and the improved results to a folder; the page comes last."""
         from equipoise.papers import pages
-        from equipoise.report.jsonfile import dumps
+        from equipoise.reporting.jsonfile import dumps
 
         page, data = out / f"{self.paper.slug}.html", out / f"{self.paper.slug}.json"
         page.write_text(pages.html(self.paper, self.claims, self.improved, out), encoding="utf-8")
