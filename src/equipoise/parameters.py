@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import functools
 import re
-import typing
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar
@@ -12,12 +12,13 @@ import numpy as np
 
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Point
-from equipoise.units import Quantity
+from equipoise.units import along_path, unit_marks
 
 AXES = {"x": 0, "y": 1, "z": 2}
 Item = TypeVar("Item", bound=Any)
 
 
+@functools.cache
 def tag(cls: type) -> str:
     """The word that names a class in a problem file: ZeroFreeLength -> zero_free_length."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
@@ -54,15 +55,7 @@ def unit_of(balancers: Sequence[Item], name: str) -> str:
     parent = _walk(balancer, keys[:-1], name)
     if not is_dataclass(parent) or isinstance(parent, Point):
         return "m"
-    hints = typing.get_type_hints(type(parent), include_extras=True)
-    return next((part.unit for part in _flatten(hints.get(keys[-1])) if isinstance(part, Quantity)), "")
-
-
-def _flatten(hint: Any) -> list[Any]:
-    parts = list(getattr(hint, "__metadata__", ()))
-    for inner in getattr(hint, "__args__", ()):
-        parts += _flatten(inner)
-    return parts
+    return along_path(unit_marks(type(parent)).get(keys[-1], ""), getattr(getattr(balancer, "path", None), "unit", "m"))
 
 
 def _start(balancers: Sequence[Item], name: str) -> tuple[Item, list[str]]:
@@ -84,10 +77,10 @@ def _walk(item: Any, keys: Sequence[str], name: str) -> Any:
 
 
 def _child(item: Any, key: str, name: str) -> Any:
-    if is_dataclass(item) and key == tag(type(item)):
-        return item
     if isinstance(item, Point) and key in AXES:
         return item.at[AXES[key]]
+    if is_dataclass(item) and key == tag(type(item)):
+        return item
     if is_dataclass(item):
         names = [field.name for field in fields(item)]
         if key.isdigit() and int(key) < len(names):
