@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
 import equipoise as eq
-from equipoise.affine import Array
 from equipoise.claim import Claim, Source
 from equipoise.papers.quaglia_yin_2015.robots import (
     CENTRES,
     CRANK,
     GRAVITY,
+    JOINT,
     LARGEST,
     LENGTHS,
     MASSES,
@@ -28,9 +27,11 @@ from equipoise.papers.quaglia_yin_2015.robots import (
     second,
     states,
     workspace,
+    worst,
     yoke,
 )
 
+DRIVEN = ("arm_joint", "crank_joint")
 S1, S2 = (moment / 9.8 for moment in LARGEST)
 
 
@@ -45,7 +46,7 @@ def _gravity(P: Source) -> list[Claim]:
     t1, t2 = here.driven.T
     eg = 9.8 * (100 * 0.6 * np.sin(t1) + 40 * (0.5 * np.sin(t2) + 1.2 * np.sin(t1)))
     torque = np.stack([LARGEST[0] * np.cos(t1), LARGEST[1] * np.cos(t2)], axis=1)
-    springs = [pivoted(body, body, ideal(i + 1)) for i, body in enumerate(("arm", "crank"))]
+    springs = [pivoted(joint, eq.Angle(joint), ideal(i + 1)) for i, joint in enumerate(DRIVEN)]
     stored = sum(spring.effort(here, "energy").b[:, 0] for spring in springs)
     moves = workspace()
     falls = moves.weight[np.cos(moves.poses[:, 0]) > 0].sum() / moves.weight.sum()
@@ -79,8 +80,8 @@ def _gravity(P: Source) -> list[Claim]:
         P.sentence(
             "a proper design balances the robot perfectly in all configurations",
             "abstract, 4",
-            _worst(here, springs),
-            lambda worst: worst < 1e-8,
+            worst(here, springs),
+            lambda value: value < 1e-8,
             "N m",
             note=f"largest holding torque with both ideal springs of structure I; the energy of weights and springs "
             f"spreads by {np.ptp(here.potential + stored):.1g} J over the workspace",
@@ -89,7 +90,7 @@ def _gravity(P: Source) -> list[Claim]:
             "the masses of links 3 and 4 are left out",
             "3",
             _heavy_linkage(),
-            lambda worst: worst < 1e-8,
+            lambda value: value < 1e-8,
             "N m",
             correction="nothing has to be left out: with 3 and 4 kg in links 3 and 4, S1 = m1 r1 + m2 l1 + m4 l1/2 and "
             "S2 = m2 r2 - m3 l3/2 - m4 l3 in place of the paper's sums balance exactly",
@@ -99,7 +100,7 @@ def _gravity(P: Source) -> list[Claim]:
             "a third joint about the vertical needs no balancing",
             "4",
             _turret(),
-            lambda worst: worst < 1e-8,
+            lambda value: value < 1e-8,
             "N m",
             note="largest torque about the vertical, and change of the other two torques, over 256 poses of structure II "
             "on a turntable",
@@ -119,7 +120,7 @@ def _guides(P: Source) -> list[Claim]:
             "constant forces on prismatic guides balance perfectly, F1 b1 = (m1 r1 + m2 l1) g, F2 b2 = m2 r2 g",
             "Eq. 6, Fig. 5",
             _guided(),
-            lambda worst: worst < 1e-8,
+            lambda value: value < 1e-8,
             "N m",
             note=f"largest holding torque of structure I over its workspace; F1 = {LARGEST[0] / CRANK:g} N, "
             f"F2 = {LARGEST[1] / CRANK:g} N",
@@ -128,7 +129,7 @@ def _guides(P: Source) -> list[Claim]:
             "the angle delta by which spring and crank are shifted together is arbitrary",
             "3.1.1, Fig. 6",
             turned,
-            lambda worst: worst < 1e-9,
+            lambda value: value < 1e-9,
             "%",
             note="largest error for delta = 0, 30, 90 and 200 deg",
         ),
@@ -136,7 +137,7 @@ def _guides(P: Source) -> list[Claim]:
             "a mechanical spring of low rate approximates the constant force",
             "3.1.1",
             soft[0.01],
-            lambda worst: worst < 1 and abs(soft[0.1] / worst - 10) < 1e-6,
+            lambda value: value < 1 and abs(soft[0.1] / value - 10) < 1e-6,
             "%",
             note="largest error on the guide where the force changes by 1 % over the crank's radius, k b = 0.01 F; it "
             "is 50 k b/F %. On a revolute pivot the ideal rate is F/a10, not 0",
@@ -152,12 +153,6 @@ def _guides(P: Source) -> list[Claim]:
     ]
 
 
-def _worst(here: eq.States, springs: Sequence[eq.Spring]) -> float:
-    """Largest holding torque (N m) that springs with known laws leave."""
-    total: Array = here.holding + sum(spring.effort(here, "hold").b for spring in springs)
-    return float(np.abs(total).max())
-
-
 def _heavy_linkage() -> float:
     crank, masses = -0.4, (3.0, 4.0)
     robot = first(masses)
@@ -165,8 +160,8 @@ def _heavy_linkage() -> float:
     s2 = S2 + masses[0] * crank / 2 + masses[1] * crank
     here = robot.states(both(*pairs(30, 24)))
     rates = [9.8 * s / (6 * CRANK**2) for s in (s1, s2)]
-    bodies = ("arm", "crank")
-    return _worst(here, [pivoted(body, body, eq.ZeroFreeLength(k=k)) for body, k in zip(bodies, rates, strict=True)])
+    laws = zip(DRIVEN, rates, strict=True)
+    return worst(here, [pivoted(joint, eq.Angle(joint), eq.ZeroFreeLength(k=k)) for joint, k in laws])
 
 
 def _turret() -> float:
@@ -187,7 +182,7 @@ def _guided() -> float:
     here = first().states(both(*pairs(15, 12)))
     forces = [moment / CRANK for moment in LARGEST]
     inputs = [eq.Angle("arm_joint"), eq.Angle("crank_joint")]
-    return _worst(
+    return worst(
         here, [yoke(f"yoke{i}", a, eq.Constant(f)) for i, (a, f) in enumerate(zip(inputs, forces, strict=True))]
     )
 
@@ -203,5 +198,5 @@ def _with_guide(sweep: eq.Sweep, law: object, lead: float = 0.0) -> float:
     here = states(1, sweep)
     turned = math.radians(lead)
     mount = eq.Mount(eq.Point("world"), direction=(math.cos(turned), 0.0, math.sin(turned)))
-    spring = yoke("s", eq.Angle("link_joint"), law, mount=mount)
-    return 100 * _worst(here, [spring]) / LARGEST[0]
+    spring = yoke("s", JOINT, law, mount=mount)
+    return 100 * worst(here, [spring]) / LARGEST[0]

@@ -45,7 +45,7 @@ def _constant_1(P: Source) -> list[Claim]:
     best = min(table, key=table.__getitem__)
     curve = constant_force(1, sweep, 84.0)
     signs = int((np.diff(np.sign(curve[np.abs(curve) > 1e-6])) != 0).sum())
-    e86, steps = constant_force(1, sweep, 86.0), at(1, np.arange(-90.0, 90.5, 1.0))
+    e86, steps = constant_force(1, sweep, 86.0), at(np.arange(-90.0, 90.5, 1.0))
     rays = np.array([[4.0], [6.0], [8.0], [10.0], [12.0], [20.0], [1e6]])
     fixed = mean(constant_force(1, sweep, 86.0, rays), sweep)
     square = mean(constant_force(1, sweep, 90.0, rays), sweep)
@@ -139,7 +139,7 @@ def _variable(P: Source, link: int, sweep: eq.Sweep) -> list[Claim]:
 
 
 def _constant_2(P: Source) -> list[Claim]:
-    moves, coarse = workspace(), at(2, np.degrees(pairs(5, 6)[1]))
+    moves, coarse = workspace(), at(np.degrees(pairs(5, 6)[1]))
     table = means(2, moves)
     best = min(table, key=table.__getitem__)
     angles = ", ".join(f"{angle}: {table[angle]:.4f} %" for angle in (86, 88, 90, 92, 94))

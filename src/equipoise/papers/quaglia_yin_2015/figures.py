@@ -135,9 +135,7 @@ def _torques(angles: Sequence[float], curve: Callable[[float, eq.Sweep], Array],
 def constant_torque() -> Figure:
     """Fig. 14: constant force on link 1."""
     angles = (80.0, 82.0, 84.0, 86.0, 88.0, 90.0, 92.0)
-    return _torques(
-        angles, lambda alpha, sweep: constant_force(1, sweep, alpha), "constant force on link 1, ra₁ = 6"
-    )
+    return _torques(angles, lambda alpha, sweep: constant_force(1, sweep, alpha), "constant force on link 1, ra₁ = 6")
 
 
 def variable_torque() -> Figure:
@@ -205,7 +203,7 @@ def _elbows(curve: Callable[[eq.Sweep], Array], title: str) -> Figure:
     axes.xaxis.set_major_locator(_every(18))
     ends = []
     for th1, colour in zip(poses, style.PARTS, strict=False):
-        sweep = at(2, phi + th1 - 180.0)
+        sweep = at(phi + th1 - 180.0)
         weight = LARGEST[1] * np.cos(sweep.poses[:, 0])
         torque = weight + LARGEST[1] / 100 * curve(sweep)
         axes.plot(phi, torque, color=colour, linewidth=1.4, label="spring" if th1 == 0 else None)
@@ -243,7 +241,9 @@ DRAWINGS = (
         constant_mean,
     ),
     Drawing("Figure 16", "Torque of the ideal spring for several pivot angles, and gravity's.", variable_torque),
-    Drawing("Figure 17", "Mean error of the ideal spring: 1.11 % for each degree, whatever the distance.", variable_mean),
+    Drawing(
+        "Figure 17", "Mean error of the ideal spring: 1.11 % for each degree, whatever the distance.", variable_mean
+    ),
     Drawing(
         "Figure 18",
         "Torques on link 2 over the elbow angle for five poses of link 1; both follow θ₂ = φ + θ₁ − 180° alone.",

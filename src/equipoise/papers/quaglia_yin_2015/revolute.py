@@ -11,6 +11,7 @@ from equipoise.affine import Array
 from equipoise.claim import Claim, Source
 from equipoise.papers.quaglia_yin_2015.robots import (
     CRANK,
+    JOINT,
     LARGEST,
     TINY,
     alone,
@@ -38,7 +39,7 @@ def claims(P: Source) -> list[Claim]:
     sweep = along()
     here = states(1, sweep)
     th1 = here.driven[:, 0]
-    spring = pivoted("s", "link", eq.Linear(k=3000.0, preload=150.0), alpha, ra)
+    spring = pivoted("s", JOINT, eq.Linear(k=3000.0, preload=150.0), alpha, ra)
     length, force = spring.force(here, {})
     r, turn = ra * CRANK, math.radians(alpha)
     a1 = np.sqrt(r**2 + CRANK**2 - 2 * CRANK * r * np.cos(turn - th1))
@@ -73,7 +74,7 @@ def claims(P: Source) -> list[Claim]:
         P.sentence(
             "the constant force that carries link 1 at th1 = 0",
             "Eqs. 10, 11",
-            float(constant_force(1, at(1, 0.0), 86.0)[..., 0]),
+            float(constant_force(1, at(0.0), 86.0)[..., 0]),
             lambda value: abs(value) < TINY,
             "%",
             note=f"error at th1 = 0; at alpha5 = 86 deg and ra1 = 6 the force is {matched(1, 86.0)[0]:.3f} N, "
@@ -82,7 +83,7 @@ def claims(P: Source) -> list[Claim]:
         P.sentence(
             "the error is gravity's torque less the spring's",
             "Eq. 12",
-            float(constant_force(1, at(1, -90.0), 84.0)[..., 0]),
+            float(constant_force(1, at(-90.0), 84.0)[..., 0]),
             lambda value: value > 0,
             "%",
             correction="the sign of Eq. 12 is turned: Eqs. 19 to 23 and the text of Fig. 14 count spring less gravity",
@@ -93,7 +94,7 @@ def claims(P: Source) -> list[Claim]:
         P.sentence(
             "link 2 asks for the largest torque m2 r2 g where it is level",
             "Eq. 24",
-            float(states(2, at(2, 0.0)).holding[0, 0] - LARGEST[1]),
+            float(states(2, at(0.0)).holding[0, 0] - LARGEST[1]),
             lambda gap: abs(gap) < 1e-9,
             "N m",
             note=f"difference from m2 r2 g = {LARGEST[1]:g} N m",
@@ -103,10 +104,10 @@ def claims(P: Source) -> list[Claim]:
 
 def _rate(P: Source) -> list[Claim]:
     sweep = along()
-    found = eq.balance(alone(1), [pivoted("s", "link", eq.Linear())], sweep)
+    found = eq.balance(alone(1), [pivoted("s", JOINT, eq.Linear())], sweep)
     k, preload = found.values["s.k"], found.values["s.preload"]
     a10 = CRANK * math.sqrt(37)
-    level = pivoted("s", "link", ideal(1)).force(states(1, at(1, 0.0)), {})
+    level = pivoted("s", JOINT, ideal(1)).force(states(1, at(0.0)), {})
     return [
         P.sentence(
             "a10 is the spring's deformation at th1 = 0",
@@ -147,9 +148,9 @@ def _stiffer(P: Source) -> list[Claim]:
     twice = error(1, ideal(1, 4.0, 2.0), circle, 90.0, 4.0)
     worst = int(np.argmax(np.abs(twice)))
     below = np.abs(twice[np.sin(th1) < 0]).max()
-    mirrored = error(1, ideal(1, 4.0, 2.0), at(1, 180.0 - np.degrees(th1)), 90.0, 4.0)
-    spring = pivoted("s", "link", ideal(1, 4.0, 2.0), 90.0, 4.0)
-    length, force = (float(part[0]) for part in spring.force(states(1, at(1, 0.0)), {}))
+    mirrored = error(1, ideal(1, 4.0, 2.0), at(180.0 - np.degrees(th1)), 90.0, 4.0)
+    spring = pivoted("s", JOINT, ideal(1, 4.0, 2.0), 90.0, 4.0)
+    length, force = (float(part[0]) for part in spring.force(states(1, at(0.0)), {}))
     stretch = force / (2 * LARGEST[0] / (4 * CRANK**2)) / length
     average = {n: float(mean(error(1, ideal(1, 4.0, n), circle, 90.0, 4.0), circle)) for n in (0.0, 1.5, 2.0, 3.0)}
     return [

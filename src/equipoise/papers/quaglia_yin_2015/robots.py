@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,8 @@ HALF, ELBOW = (-90.0, 90.0), (18.0, 162.0)
 """Ranges of th1 and of the elbow angle phi, deg."""
 WORKSPACE = (ELBOW[0] - 270.0, ELBOW[1] - 90.0)
 """Range of th2 = phi + th1 - 180, deg."""
-
-
+JOINT = eq.Angle("link_joint")
+"""The angle of a link alone."""
 TINY = 1e-9
 """Percent of the largest torque: rounding."""
 
@@ -49,34 +50,9 @@ def alone(link: int) -> eq.Mechanism:
     return eq.chain([eq.Link("link", LENGTHS[link - 1], mass, com=carried / mass)], gravity=GRAVITY)
 
 
-def pivoted(name: str, body: str, law: Any, alpha: Any = 90.0, ra: Any = 6.0) -> eq.Spring:
-    """A spring from a fixed pivot at ra b and alpha deg to the pin of a crank b that turns with a body."""
-    turn = np.radians(alpha)
-    pivot = eq.Point("world", (ra * CRANK * np.cos(turn), 0.0, ra * CRANK * np.sin(turn)))
-    return eq.Spring(name, eq.Line(pivot, eq.Point(body, (CRANK, 0.0, 0.0))), law)
-
-
-def at(link: int, degrees: Any, weight: Array | None = None, label: str = "") -> eq.Sweep:
-    """A link alone at given angles to the horizontal, deg."""
-    turn = np.radians(np.ravel(degrees))[:, None]
-    return eq.Sweep(turn, np.ones(len(turn)) if weight is None else weight, label or f"link {link}")
-
-
-@functools.cache
-def along(low: float = HALF[0], high: float = HALF[1], count: int = 20001) -> eq.Sweep:
-    """A link alone that turns evenly from low to high, deg, weighted by the trapezoidal rule."""
-    weight = np.ones(count)
-    weight[[0, -1]] = 0.5
-    return eq.Sweep(np.radians(np.linspace(low, high, count))[:, None], weight, f"{low:g} to {high:g} deg")
-
-
-@functools.cache
-def workspace(count: int = 20001) -> eq.Sweep:
-    """Link 2 where th1 and phi cover their ranges evenly: the density of th2 is a trapezoid, the sweep's weights."""
-    degrees = np.linspace(*WORKSPACE, count)
-    low, high = np.maximum(HALF[0], degrees + 180.0 - ELBOW[1]), np.minimum(HALF[1], degrees + 180.0 - ELBOW[0])
-    weight = np.maximum(high - low, 0.0)
-    return eq.Sweep(np.radians(degrees)[:, None], weight, "th1 in (-90, 90) and phi in (18, 162) deg")
+def pivoted(name: str, angle: Any, law: Any, alpha: Any = 90.0, ra: Any = 6.0) -> eq.Spring:
+    """A spring from a fixed pivot at ra b and alpha deg to the pin of a crank b that turns with an angle."""
+    return eq.Spring(name, eq.InvertedSliderCrank(angle, CRANK, ra * CRANK, -np.radians(alpha)), law)
 
 
 def yoke(name: str, angle: Any, law: Any, phase: float = math.pi, **more: Any) -> eq.Spring:
@@ -84,29 +60,50 @@ def yoke(name: str, angle: Any, law: Any, phase: float = math.pi, **more: Any) -
     return eq.Spring(name, eq.ScotchYoke(angle, CRANK, phase, **more), law)
 
 
-def both(first_link: Array, second_link: Array) -> eq.Sweep:
-    """Structure I with its links at given angles to the horizontal, rad."""
-    return eq.Sweep(np.stack([first_link, second_link], axis=1), np.ones(len(first_link)), "both links")
+def at(degrees: Any) -> eq.Sweep:
+    """A link alone at given angles to the horizontal, deg."""
+    turn = np.radians(np.ravel(degrees))[:, None]
+    return eq.Sweep(turn, np.ones(len(turn)), f"{len(turn)} angles")
+
+
+@functools.cache
+def along(low: float = HALF[0], high: float = HALF[1], count: int = 4001) -> eq.Sweep:
+    """A link alone that turns evenly from low to high, deg, weighted by the trapezoidal rule."""
+    weight = np.ones(count)
+    weight[[0, -1]] = 0.5
+    return eq.Sweep(np.radians(np.linspace(low, high, count))[:, None], weight, f"th1 in ({low:g}, {high:g}) deg")
+
+
+@functools.cache
+def workspace(count: int = 6481) -> eq.Sweep:
+    """Link 2 where th1 and phi cover their ranges evenly: the density of th2 is a trapezoid, the sweep's weights."""
+    degrees = np.linspace(*WORKSPACE, count)
+    low, high = np.maximum(HALF[0], degrees + 180.0 - ELBOW[1]), np.minimum(HALF[1], degrees + 180.0 - ELBOW[0])
+    weight = np.maximum(high - low, 0.0)
+    return eq.Sweep(np.radians(degrees)[:, None], weight, "th1 in (-90, 90) and phi in (18, 162) deg")
 
 
 def pairs(first_step: float, elbow_step: float) -> tuple[Array, Array]:
-    """The same workspace as a grid, ends included: th1 and th2 of all its points, rad."""
+    """The same workspace as a grid, ends included: th1 and th2 of all its points, rad; steps in deg."""
     th1 = np.arange(HALF[0], HALF[1] + 1e-9, first_step)
     phi = np.arange(ELBOW[0], ELBOW[1] + 1e-9, elbow_step)
     a, b = (np.radians(axis.ravel()) for axis in np.meshgrid(th1, phi, indexing="ij"))
     return a, a + b - math.pi
 
 
+def both(th1: Array, th2: Array) -> eq.Sweep:
+    """Structure I with its links at given angles to the horizontal, rad."""
+    return eq.Sweep(np.stack([th1, th2], axis=1), np.ones(len(th1)), "both links")
+
+
 def matched(link: int, alpha: Any = 90.0, ra: Any = 6.0) -> Any:
     """The constant force of Eq. 11 (..., 1), N: the one that carries the link where it is level."""
-    level = states(link, _level(link))
-    pull = pivoted("s", "link", eq.Constant(), alpha, ra).effort(level, "hold")
+    level = states(link, _LEVEL)
+    pull = pivoted("s", JOINT, eq.Constant(), alpha, ra).effort(level, "hold")
     return -level.holding[:, 0] / pull.A[..., 0, 0]
 
 
-@functools.cache
-def _level(link: int) -> eq.Sweep:
-    return at(link, 0.0)
+_LEVEL = at(0.0)
 
 
 def ideal(link: int, ra: float = 6.0, n: float = 1.0) -> eq.Linear:
@@ -117,7 +114,12 @@ def ideal(link: int, ra: float = 6.0, n: float = 1.0) -> eq.Linear:
 
 def error(link: int, law: Any, sweep: eq.Sweep, alpha: Any = 90.0, ra: Any = 6.0) -> Array:
     """Eq. 19: torque of a pivoted spring less gravity's over the largest of gravity, in percent (..., N)."""
-    return left(link, pivoted("s", "link", law, alpha, ra), sweep)
+    return left(link, pivoted("s", JOINT, law, alpha, ra), sweep)
+
+
+def constant_force(link: int, sweep: eq.Sweep, alpha: Any, ra: Any = 6.0) -> Array:
+    """Error (..., N), percent, of the constant force of Eq. 11."""
+    return error(link, eq.Constant(matched(link, alpha, ra)), sweep, alpha, ra)
 
 
 def left(link: int, spring: eq.Spring, sweep: eq.Sweep) -> Array:
@@ -137,6 +139,13 @@ def mean(values: Array, sweep: eq.Sweep) -> Array:
     return np.abs(values) @ sweep.weight / sweep.weight.sum()
 
 
-def constant_force(link: int, sweep: eq.Sweep, alpha: Any, ra: Any = 6.0) -> Array:
-    """Error (..., N), percent, of the constant force of Eq. 11."""
-    return error(link, eq.Constant(matched(link, alpha, ra)), sweep, alpha, ra)
+def norms(values: Array, sweep: eq.Sweep) -> dict[str, float]:
+    """Mean, root mean square and peak of the magnitude (N,)."""
+    square = values**2 @ sweep.weight / sweep.weight.sum()
+    return {"mean": float(mean(values, sweep)), "rms": math.sqrt(square), "peak": float(np.abs(values).max())}
+
+
+def worst(here: eq.States, springs: Sequence[eq.Spring]) -> float:
+    """Largest holding torque, N m, that springs with known laws leave."""
+    total: Array = here.holding + sum(spring.effort(here, "hold").b for spring in springs)
+    return float(np.abs(total).max())
