@@ -37,6 +37,9 @@ _HOME = {
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
+    "Gas": "balancers.laws",
+    "Torsion": "balancers.laws",
+    "Polynomial": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
     "Force": "limits",
@@ -91,7 +94,16 @@ def __dir__() -> list[str]:
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
-    from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
+    from equipoise.balancers.laws import (
+        Coil,
+        Constant,
+        Gas,
+        Linear,
+        Polynomial,
+        Torsion,
+        WireMass,
+        ZeroFreeLength,
+    )
     from equipoise.balancers.paths import (
         Absolute,
         Angle,

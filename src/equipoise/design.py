@@ -16,6 +16,7 @@ from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim
 from equipoise.states import States
 from equipoise.sweep import Sweep
+from equipoise.units import along_path
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Verification
@@ -192,15 +193,18 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     model = design.mechanism.model
     places = [place for place, _ in spring.path.ends()]
     ends = [place if isinstance(place, Point) else place.seat(model, spring.name) for place in places]
-    stored = spring.effort(design.states, "storage")
-    energy = stored.at(np.array([design.values[unknown.name] for unknown in stored.unknowns]))[:, 0]
+    storage = spring.effort(design.states, "storage")
+    energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
+    stored = spring.stored(design.values, design.states)
     return {
         "name": spring.name,
         "kind": "spring",
         "law": type(spring.law).__name__,
         "path": type(spring.path).__name__,
-        "unit": spring.path.unit,
-        "parameters": spring.parameters(design.values),
+        "parameters": (parameters := spring.parameters(design.values)),
+        "units": {"length": spring.path.unit, "force": along_path("N or N m", spring.path.unit)}
+        | {name: unit for name, unit in spring.law.parameter_units(spring.path.unit).items() if name in parameters},
+        "stored": {"exact": stored.exact, "error": stored.error},
         "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],
         "stroke": float(length.max() - length.min()),

@@ -6,7 +6,17 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from equipoise.balancers.counterweight import Counterweight
-from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
+from equipoise.balancers.laws import (
+    Coil,
+    Constant,
+    Gas,
+    Law,
+    Linear,
+    Polynomial,
+    Torsion,
+    WireMass,
+    ZeroFreeLength,
+)
 from equipoise.balancers.paths import (
     Absolute,
     Angle,
@@ -68,6 +78,9 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "gas": Gas,
+    "torsion": Torsion,
+    "polynomial": Polynomial,
 }
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
 LIMITS: dict[str, Callable[..., Any]] = {
