@@ -11,7 +11,8 @@ import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
 from equipoise.balancers.laws import Law, Stored, WireMass
-from equipoise.balancers.paths import Path
+from equipoise.balancers.paths import Path, Place
+from equipoise.balancers.paths.bodies import outline
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism, Point
 from equipoise.parameters import tag
@@ -61,6 +62,13 @@ class Spring:
                 hint=f"give law.k a value, and free it in `shape` as {self.name}.law.k",
             )
         return self.mass.of(rate)
+
+    @property
+    def masses(self) -> tuple[tuple[Place, Any], ...]:
+        """Places and masses, kg, of the spring's own mass, lumped, and of its path's parts."""
+        own = self.own_mass
+        shares = ((place, share * np.asarray(own)) for place, share in self.carriers) if np.any(own) else ()
+        return (*shares, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
 
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError where the spring cannot act on the mechanism."""
@@ -127,15 +135,12 @@ class Spring:
         raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy", "storage"]))
 
     def _weight(self, states: States, goal: str) -> Any:
-        mass = self.own_mass
-        if not np.any(mass):
-            return 0.0
         answer = states.weight_effort if goal == "hold" else states.weight_energy
-        return sum(answer(point, share * np.asarray(mass)) for point, share in self.carriers)
+        return sum((answer(place, mass) for place, mass in self.masses), 0.0)
 
     @property
-    def carriers(self) -> tuple[tuple[Point, Any], ...]:
-        """Points that carry the spring's own mass, with their shares."""
+    def carriers(self) -> tuple[tuple[Place, Any], ...]:
+        """Places that carry the spring's own mass, with their shares."""
         ends = self.path.ends()
         if len(ends) != 2:
             return ends
@@ -185,7 +190,8 @@ class Spring:
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = bias
-        for side, (point, share) in zip("abcdefgh", self.carriers, strict=False):
+        for side, (place, share) in zip("ab", self.carriers if self.own_mass else (), strict=False):
+            point = place if isinstance(place, Point) else place.seat(outline(spec), self.name)
             add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(share * self.own_mass))
 
 
