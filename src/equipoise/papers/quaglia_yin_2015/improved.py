@@ -25,7 +25,7 @@ from equipoise.papers.quaglia_yin_2015.robots import (
 )
 from equipoise.solve.program import Norm
 
-COUNT = 2001
+COUNT = 721
 ANGLE = (math.radians(40.0), math.radians(140.0))
 
 
@@ -116,7 +116,7 @@ def _yokes() -> list[Improvement]:
 
 
 def _shaped(link: int, spring: eq.Spring, sweep: eq.Sweep, free: Mapping[str, Any], norm: Norm) -> eq.Design:
-    return eq.shape(alone(link), [spring], sweep, free, norm=norm, starts=3)
+    return eq.shape(alone(link), [spring], sweep, free, norm=norm, starts=2)
 
 
 def _improvement(  # noqa: PLR0917

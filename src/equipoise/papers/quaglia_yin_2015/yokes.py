@@ -89,11 +89,11 @@ def claims(P: Source) -> list[Claim]:
         P.sentence(
             "structure I has a limited workspace, structure II a wider one",
             "4",
-            100 * (1 - 144 / 360),
-            lambda share: share > 0,
-            "%",
-            note="share of elbow angles that the example gives up around the parallelogram's singular poses; "
-            "structure II is held at every angle",
+            worst(everywhere, [upper(), fore()]),
+            lambda value: value < 1e-8,
+            "N m",
+            note="largest motor torque of structure II over all joint angles; structure I must keep phi between 0 and "
+            "180 deg, where its parallelogram is flat, and the example keeps another 18 deg away",
         ),
         P.underspecified(
             "a motor at the elbow makes link 2 heavier",
@@ -120,21 +120,20 @@ def _unequal(joints: Array, ratio: float) -> float:
 
 
 def _payload(P: Source) -> Claim:
-    robot, mass, place = second(), 10.0, (1.05, 0.12)
-    over = eq.Sweep.sobol(robot, 512, payload=[eq.Payload("link2", mass, (place[0], 0.0, place[1]))])
-    here = robot.states(over)
-    rule = eq.payload_rule((100 * 0.6, 40 * 0.5), 40.0, 1.2, mass, place)
-    turned = [upper(), fore(phase=math.pi + rule.crank)]
-    full = [upper(rule.first / CRANK), fore(rule.second / CRANK, math.pi + rule.crank)]
+    robot, load = second(), eq.Payload("link2", 10.0, (1.05, 0.0, 0.12))
+    here = robot.states(eq.Sweep.sobol(robot, 512, payload=[load]))
+    link1, link2 = eq.payload_rule(robot, load)
+    forces, lead = [rule.force(CRANK) for rule in (link1, link2)], math.pi + link2.lead
+    full, turned = [upper(forces[0]), fore(forces[1], lead)], [upper(), fore(phase=lead)]
     return P.sentence(
         "turning the crank on the lower pulley adapts the balancer to a payload",
         "3.2.1, Fig. 27",
         worst(here, full),
         lambda value: value < 1e-8,
         "N m",
-        correction="the angle is one of three: the crank turns by that of the joint centre of gravity, F2 b2 becomes "
-        "g |m2 r2 + mp (x + i y)|, and F1 b1 becomes g (m1 r1 + (m2 + mp) l1)",
-        note=f"largest torque of either motor with all three, 10 kg at (1.05, 0.12) m: crank {math.degrees(rule.crank):.4f} "
-        f"deg, F1 = {rule.first / CRANK:.6g} N, F2 = {rule.second / CRANK:.6g} N. By the crank alone "
+        correction="the angle is one of three: the crank turns by the angle of the joint centre of gravity, F2 b2 "
+        "becomes g |m2 r2 + mp (x + i y)|, and F1 b1 becomes g (m1 r1 + (m2 + mp) l1)",
+        note=f"largest torque of either motor with all three, 10 kg at (1.05, 0.12) m: crank "
+        f"{math.degrees(link2.lead):.4f} deg, F1 = {forces[0]:.6g} N, F2 = {forces[1]:.6g} N. By the crank alone "
         f"{worst(here, turned):.4g} N m is left, without any change {worst(here, [upper(), fore()]):.4g} N m",
     )
