@@ -82,7 +82,7 @@ def payload_rule(
     off = float(np.abs(basis @ found - energy).max())
     if off > EXACT * max(load, 1e-300):
         raise InputError(
-            f"the weight of {mechanism.name} is no sum over the angles of {', '.join(names)}: {off:.3g} J are left over",
+            f"the weight of {mechanism.name} is no sum over the angles of {', '.join(names)}: {off:.3g} J are left",
             where="payload_rule",
             hint="the rule needs a planar arm of hinges and one body for each angle that moves a weight",
         )

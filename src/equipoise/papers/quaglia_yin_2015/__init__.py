@@ -15,8 +15,8 @@ SLUG = "quaglia-yin-2015"
 
 def claims() -> Sequence[Claim]:
     """Every printed number and checkable sentence, in the paper's order."""
-    source = Source(SLUG)
-    return [claim for part in (evolution, revolute, examples, yokes, dynamics, pressure) for claim in part.claims(source)]
+    source, parts = Source(SLUG), (evolution, revolute, examples, yokes, dynamics, pressure)
+    return [claim for part in parts for claim in part.claims(source)]
 
 
 PAPER = Paper(
@@ -34,8 +34,9 @@ PAPER = Paper(
         "peak of 8.4 %, which other values bring down to 5.4 %. A pivot farther away is better only if its angle "
         "follows.",
         "A spring twice as stiff as the ideal one leaves up to 16.1 %, not 15 %.",
-        "Eq. 37's adiabatic law is the isothermal one, and Eq. 38 leaves out the ambient pressure: at 6.7 bar gauge the "
-        "error of a gas spring on a yoke is 1.6 times what they give, so 2.8 % takes a bottle of 8.7 swept volumes.",
+        "Eq. 37's adiabatic law is the isothermal one, and Eq. 38 leaves out the ambient pressure: at 6.7 bar gauge "
+        "the error of a gas spring on a yoke is 1.6 times what they give, so 2.8 % takes a bottle of 8.7 swept "
+        "volumes.",
         "On a pivot a gas strut of finite volume, near n A a10 P0/(P0 - Pa), leaves a tenth of the error of the "
         "constant force that a big bottle gives.",
         "A payload needs three adjustments: the crank's angle, its torque, and link 1's force. The crank alone, as "

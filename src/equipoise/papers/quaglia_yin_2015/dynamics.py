@@ -9,7 +9,7 @@ from equipoise.affine import Array
 from equipoise.claim import Claim, Source
 from equipoise.papers.quaglia_yin_2015.robots import CENTRES, LARGEST, LENGTHS, MASSES, alone, second
 
-ABOUT_JOINTS = tuple(m * l**2 / 3 for m, l in zip(MASSES, LENGTHS, strict=True))
+ABOUT_JOINTS = tuple(mass * length**2 / 3 for mass, length in zip(MASSES, LENGTHS, strict=True))
 """I1 and I2 about O1 and O2, kg m^2; the paper prints none, slender rods serve as well as any."""
 COUPLING = MASSES[1] * CENTRES[1] * LENGTHS[0]
 STATES = 64

@@ -102,8 +102,8 @@ def _gravity(P: Source) -> list[Claim]:
             _turret(),
             lambda value: value < 1e-8,
             "N m",
-            note="largest torque about the vertical, and change of the other two torques, over 256 poses of structure II "
-            "on a turntable",
+            note="largest torque about the vertical, and change of the other two torques, over 256 poses of structure "
+            "II on a turntable",
         ),
     ]
 

@@ -44,7 +44,11 @@ def _constant_1(P: Source) -> list[Claim]:
     table = means(1, sweep)
     best = min(table, key=table.__getitem__)
     curve = constant_force(1, sweep, 84.0)
+    before, after = (curve[sweep.poses[:, 0] * side > 0] for side in (-1, 1))
     signs = int((np.diff(np.sign(curve[np.abs(curve) > 1e-6])) != 0).sum())
+    fine = np.linspace(85, 86, 201)
+    values = mean(constant_force(1, sweep, fine[:, None]), sweep)
+    best_fine = int(np.argmin(values))
     e86, steps = constant_force(1, sweep, 86.0), at(np.arange(-90.0, 90.5, 1.0))
     rays = np.array([[4.0], [6.0], [8.0], [10.0], [12.0], [20.0], [1e6]])
     fixed = mean(constant_force(1, sweep, 86.0, rays), sweep)
@@ -59,8 +63,7 @@ def _constant_1(P: Source) -> list[Claim]:
             lambda end: curve[0] > 0 > end,
             "%",
             correction=f"so at the ends; in between the sign changes {signs} times, not once: the error reaches "
-            f"{curve[sweep.poses[:, 0] < 0].min():+.2f} % before th1 = 0 and {curve[sweep.poses[:, 0] > 0].max():+.2f} % "
-            "after it",
+            f"{before.min():+.2f} % before th1 = 0 and {after.max():+.2f} % after it",
             note=f"error at th1 = 90 deg; at -90 deg {curve[0]:+.2f} %",
         ),
         P.number(
@@ -73,8 +76,8 @@ def _constant_1(P: Source) -> list[Claim]:
                 1.0,
                 "read as: the best of a grid in steps of 2 deg, mean magnitude over (-90, 90) deg, force by Eq. 11",
             ),
-            note=f"{', '.join(f'{angle:g}: {table[angle]:.4f} %' for angle in (84, 86, 88, 90, 92))}; between the grid's "
-            "angles 85.285 deg is best, 2.7055 %",
+            note=f"{', '.join(f'{angle:g}: {table[angle]:.4f} %' for angle in (84, 86, 88, 90, 92))}; between them "
+            f"{fine[best_fine]:.3f} deg is best, {values[best_fine]:.4f} %",
         ),
         P.number(
             "its error",
@@ -83,8 +86,8 @@ def _constant_1(P: Source) -> list[Claim]:
             table[86],
             "%",
             note=f"mean magnitude over (-90, 90) deg; rms {np.sqrt(e86**2 @ sweep.weight / sweep.weight.sum()):.4f} %, "
-            f"peak {np.abs(e86).max():.4f} % at th1 = 90 deg, {mean(constant_force(1, steps, 86.0), steps):.4f} % on a grid "
-            "of 1 deg with its ends",
+            f"peak {np.abs(e86).max():.4f} % at th1 = 90 deg; {mean(constant_force(1, steps, 86.0), steps):.4f} % on a "
+            "grid of 1 deg with its ends",
         ),
         P.sentence(
             "a bigger ra1 leaves less error",
@@ -115,6 +118,7 @@ def _variable(P: Source, link: int, sweep: eq.Sweep) -> list[Claim]:
     table = {ra: mean(error(link, ideal(link, ra), sweep, angles[:, None], ra), sweep) for ra in (1.5, 3.0, 6.0, 12.0)}
     spread = max(float(np.abs(values - table[6.0]).max()) for values in table.values())
     closed = 400 / math.pi * np.sin(np.radians(np.abs(angles - 90)) / 2)
+    tilted = ", ".join(f"{a:g} deg: {e:.4f} %" for a, e in zip(angles[4:], table[6.0][4:], strict=True))
     offset = float(np.abs(table[6.0] - closed).max())
     return [
         P.sentence(
@@ -132,8 +136,7 @@ def _variable(P: Source, link: int, sweep: eq.Sweep) -> list[Claim]:
             lambda value: value < TINY and offset < 1e-4,
             "%",
             note=f"largest difference among ra{link} = 1.5 to 12 at 84 to 96 deg. The mean is (4/pi) sin(|{name} - 90 "
-            f"deg| / 2): {', '.join(f'{a:g} deg: {e:.4f} %' for a, e in zip(angles[4:], table[6.0][4:], strict=True))}; "
-            "1.111 % for each degree by which pivot, crank or base is tilted",
+            f"deg| / 2): {tilted}; 1.111 % for each degree by which pivot, crank or base is tilted",
         ),
     ]
 
@@ -160,8 +163,8 @@ def _constant_2(P: Source) -> list[Claim]:
             "5",
             table[90],
             "%",
-            note=f"mean magnitude over the workspace; {mean(constant_force(2, coarse, 90.0), coarse):.4f} % on a grid of "
-            f"5 deg x 6 deg; peak {np.abs(constant_force(2, moves, 90.0)).max():.4f} %",
+            note=f"mean magnitude over the workspace; {mean(constant_force(2, coarse, 90.0), coarse):.4f} % on a grid "
+            f"of 5 deg x 6 deg; peak {np.abs(constant_force(2, moves, 90.0)).max():.4f} %",
         ),
     ]
 

@@ -246,7 +246,7 @@ DRAWINGS = (
     ),
     Drawing(
         "Figure 18",
-        "Torques on link 2 over the elbow angle for five poses of link 1; both follow θ₂ = φ + θ₁ − 180° alone.",
+        "Torques on link 2 over the elbow angle for five poses of link 1; they follow θ₂ = φ + θ₁ − 180° alone.",
         constant_torque_2,
     ),
     Drawing(

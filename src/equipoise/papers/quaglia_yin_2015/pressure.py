@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +52,8 @@ def needed(target: float, exponent: float, gauge: float, ambient: float = AMBIEN
     def above(ratio: float) -> float:
         return float(mean(yoke_error(on_yoke(ratio, exponent, gauge, ambient)), along())) - target
 
-    return float(brentq(above, 0.6, 400.0, xtol=1e-6))
+    root: Any = brentq(above, 0.6, 400.0, xtol=1e-6)
+    return root
 
 
 def claims(P: Source) -> list[Claim]:
@@ -76,8 +78,8 @@ def claims(P: Source) -> list[Claim]:
             mean(strut_error(strut(1e9, ADIABATIC)), sweep),
             lambda value: value < 6,
             "%",
-            correction="approximately; but on a pivot a big volume is the worst choice: a strut's gas should be as soft "
-            "as F/a10, its volume near n A a10 P/(P - Pa)",
+            correction="approximately; but on a pivot a big volume is the worst choice: the rate of a strut's gas "
+            "should be F/a10, so its volume near n A a10 P/(P - Pa)",
             note=f"mean error at alpha5 = 90 deg, ra1 = 6 with an infinite volume; "
             f"{mean(strut_error(strut(1.4, ADIABATIC)), sweep):.4f} % with V = 1.4 A a10 at 168 bar gauge",
         ),
@@ -102,8 +104,8 @@ def _equations(P: Source) -> list[Claim]:
             lambda spread: spread < 1e-9,
             "",
             correction="P V^n is constant with n = 1.4; P V = const is the isothermal, slow limit",
-            note=f"relative spread of P V^1.4 over the stroke. Auxiliary volume {ratio:.3f} times the swept one, 6.738 bar "
-            f"gauge: mean error {felt:.3f} % quickly, {mean(yoke_error(slow), sweep):.3f} % slowly",
+            note=f"relative spread of P V^1.4 over the stroke. Auxiliary volume {ratio:.3f} times the swept one, 6.738 "
+            f"bar gauge: mean error {felt:.3f} % quickly, {mean(yoke_error(slow), sweep):.3f} % slowly",
         ),
         P.sentence(
             "V1 = Vaux + x1 A1",
@@ -137,8 +139,8 @@ def _equations(P: Source) -> list[Claim]:
             "friction is negligible",
             "3.2.2",
             None,
-            note="no coefficient is printed. A sliding block in the cross costs mu F b |sin th|, on average 2 mu/pi of the "
-            "largest torque: 6.4 % at mu = 0.1, more than the 2.8 % of the pivot that the cross replaces",
+            note="no coefficient is printed. A sliding block in the cross costs mu F b |sin th|, on average 2 mu/pi of "
+            "the largest torque: 6.4 % at mu = 0.1, more than the 2.8 % of the pivot that the cross replaces",
         ),
     ]
 
@@ -156,17 +158,18 @@ def _sizes(P: Source) -> list[Claim]:
             bottles[0].volume / bottles[1].volume,
             lambda factor: factor > 1,
             "",
-            note=f"gas volumes for link 1 and a mean error of 2.8 %: {1e3 * bottles[0].volume:.2f} l at 6.738 bar gauge "
-            f"(bore 100 mm), {1e3 * bottles[1].volume:.4f} l at 168.45 bar (ram 20 mm). Bore and crank do not matter: "
-            "V0 is about pi0 n C1max / (pi e (P0 - Pa)). Nitrogen at these pressures is stiffer than 1.4 says",
+            note=f"gas volumes for link 1 and a mean error of 2.8 %: {1e3 * bottles[0].volume:.2f} l at 6.738 bar "
+            f"gauge (bore 100 mm), {1e3 * bottles[1].volume:.4f} l at 168.45 bar (ram 20 mm). Bore and crank do not "
+            "matter: V0 is about pi0 n C1max / (pi e (P0 - Pa)). Nitrogen at these pressures is stiffer than 1.4 says",
         ),
         P.underspecified(
             "pressure that the spring can supply",
             "3.2.2",
             "200",
             "bar",
-            note=f"neither force, bore nor volume are printed. F1 = {FORCE:g} N needs {1e4 * at_200.area:.4g} cm2 at 200 bar "
-            f"gauge; sized for 2.8 % that spring reaches {top:.1f} bar when compressed, a ram of 20 mm {reach:.1f} bar",
+            note=f"neither force, bore nor volume are printed. F1 = {FORCE:g} N needs {1e4 * at_200.area:.4g} cm2 at "
+            f"200 bar gauge; sized for 2.8 % that spring reaches {top:.1f} bar when compressed, a ram of 20 mm "
+            f"{reach:.1f} bar",
         ),
         P.underspecified(
             "it can be charged and discharged at a high frequency",

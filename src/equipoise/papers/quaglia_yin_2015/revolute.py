@@ -74,7 +74,7 @@ def claims(P: Source) -> list[Claim]:
         P.sentence(
             "the constant force that carries link 1 at th1 = 0",
             "Eqs. 10, 11",
-            float(constant_force(1, at(0.0), 86.0)[..., 0]),
+            abs(float(constant_force(1, at(0.0), 86.0)[..., 0])),
             lambda value: abs(value) < TINY,
             "%",
             note=f"error at th1 = 0; at alpha5 = 86 deg and ra1 = 6 the force is {matched(1, 86.0)[0]:.3f} N, "
@@ -134,8 +134,8 @@ def _rate(P: Source) -> list[Claim]:
             a10,
             lambda value: value > 1,
             "m",
-            note="at ra1 = 6 the ideal spring is stretched by all of a10 at th1 = 0, as long as link 1; a guided spring "
-            "or a cable over a pulley takes its own length out of the line",
+            note="at ra1 = 6 and th1 = 0 the ideal spring is stretched by all of a10, the length of link 1; a guided "
+            "spring, or a cable over a pulley, takes its own length out of the line",
         ),
     ]
 
@@ -146,7 +146,7 @@ def _stiffer(P: Source) -> list[Claim]:
     cases = [(n, ra) for n in (0.0, 0.5, 1.7, 2.0, 3.0) for ra in (1.5, 4.0, 9.0)]
     gap = max(float(np.abs(error(1, ideal(1, ra, n), circle, 90.0, ra) - eq_23(th1, n, ra)).max()) for n, ra in cases)
     twice = error(1, ideal(1, 4.0, 2.0), circle, 90.0, 4.0)
-    worst = int(np.argmax(np.abs(twice)))
+    worst = int(np.argmax(np.abs(twice) * (np.cos(th1) > 0)))
     below = np.abs(twice[np.sin(th1) < 0]).max()
     mirrored = error(1, ideal(1, 4.0, 2.0), at(180.0 - np.degrees(th1)), 90.0, 4.0)
     spring = pivoted("s", JOINT, ideal(1, 4.0, 2.0), 90.0, 4.0)

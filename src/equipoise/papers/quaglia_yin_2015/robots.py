@@ -71,7 +71,7 @@ def along(low: float = HALF[0], high: float = HALF[1], count: int = 4001) -> eq.
     """A link alone that turns evenly from low to high, deg, weighted by the trapezoidal rule."""
     weight = np.ones(count)
     weight[[0, -1]] = 0.5
-    return eq.Sweep(np.radians(np.linspace(low, high, count))[:, None], weight, f"th1 in ({low:g}, {high:g}) deg")
+    return eq.Sweep(np.radians(np.linspace(low, high, count))[:, None], weight, f"({low:g}, {high:g}) deg")
 
 
 @functools.cache
@@ -80,7 +80,7 @@ def workspace(count: int = 6481) -> eq.Sweep:
     degrees = np.linspace(*WORKSPACE, count)
     low, high = np.maximum(HALF[0], degrees + 180.0 - ELBOW[1]), np.minimum(HALF[1], degrees + 180.0 - ELBOW[0])
     weight = np.maximum(high - low, 0.0)
-    return eq.Sweep(np.radians(degrees)[:, None], weight, "th1 in (-90, 90) and phi in (18, 162) deg")
+    return eq.Sweep(np.radians(degrees)[:, None], weight, "the workspace of link 2")
 
 
 def pairs(first_step: float, elbow_step: float) -> tuple[Array, Array]:
@@ -134,7 +134,7 @@ def states(link: int, sweep: eq.Sweep) -> eq.States:
     return alone(link).states(sweep)
 
 
-def mean(values: Array, sweep: eq.Sweep) -> Array:
+def mean(values: Array, sweep: eq.Sweep) -> Any:
     """Weighted mean of the magnitude over the last axis."""
     return np.abs(values) @ sweep.weight / sweep.weight.sum()
 

@@ -83,8 +83,8 @@ def claims(P: Source) -> list[Claim]:
             lambda value: value < 1e-8,
             "N m",
             correction="only with pulleys of equal radius, which the paper does not ask for",
-            note=f"largest torque of either motor; {_unequal(here.driven, 0.9):.3g} N m where the upper pulley's radius "
-            "is 0.9 of the lower one's",
+            note=f"largest torque of either motor; {_unequal(here.driven, 0.9):.3g} N m where the upper pulley's "
+            "radius is 0.9 of the lower one's",
         ),
         P.sentence(
             "structure I has a limited workspace, structure II a wider one",
