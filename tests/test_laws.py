@@ -53,6 +53,10 @@ LAWS = {
     "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
     "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),
     "gas_given": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, pressure=2e6, exponent=1.2, action="pull"),
+    "gas_real": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=eq.Nitrogen(at=17e6)),
+    "hydro_pneumatic": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=eq.Nitrogen(0.5, at=15e6)),
+    "hydro_pneumatic_gauge": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=1.3, action="pull", reading="gauge"),
+    "hydro_pneumatic_given": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, precharge=1e7),
     "polynomial": eq.Polynomial((0.05, 1.6), degree=5),
     "polynomial_given": eq.Polynomial((0.05, 1.6), degree=2, coefficients=(30.0, 8.0, -2.0)),
 }

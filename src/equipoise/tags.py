@@ -10,8 +10,10 @@ from equipoise.balancers.laws import (
     Coil,
     Constant,
     Gas,
+    HydroPneumatic,
     Law,
     Linear,
+    Nitrogen,
     Polynomial,
     Torsion,
     WireMass,
@@ -52,9 +54,11 @@ LAWS: dict[str, Callable[..., Any]] = {
     "coil": Coil,
     "constant": Constant,
     "gas": Gas,
+    "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
 }
+EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
@@ -83,6 +87,7 @@ LIMIT = Family("limit", _members(LIMITS), leading=True)
 PATH = Family("path", _members(PATHS))
 LAW = Family("law", _members(LAWS))
 MASS = Family("mass", _members(MASSES))
+EXPONENT = Family("exponent", _members(EXPONENTS))
 
 
 def family_of(hint: Any) -> Family | Form | None:
@@ -91,7 +96,7 @@ def family_of(hint: Any) -> Family | Form | None:
         return Form(point)
     if hint is Law:
         return LAW
-    for family, table in ((PATH, PATHS), (LAW, LAWS), (MASS, MASSES)):
+    for family, table in ((PATH, PATHS), (LAW, LAWS), (MASS, MASSES), (EXPONENT, EXPONENTS)):
         if isinstance(hint, type) and hint in table.values():
             return family
     return None
