@@ -95,10 +95,12 @@ class Spring:
                     raise InputError(f"law.{name} is in {item.unit}, on this path it must be in {wanted}", where=where)
 
     def check_span(self, states: States) -> None:
-        """Raise InputError where a length of the sweep leaves the span in which the law holds."""
+        """Raise InputError where a length of the states leaves the span in which the law holds; candidates may."""
         if self.law.defined_beyond or self.law.span == (None, None):
             return
-        length = np.real(self.path.deform(states)[0])
+        length = self.path.deform(states)[0]
+        if length.ndim > 1 or np.iscomplexobj(length) or any(np.ndim(end) for end in self.law.span):
+            return
         for bound, reached, side in zip(self.law.span, (length.min(), length.max()), (1, -1), strict=True):
             if bound is not None and side * (reached - float(bound)) < -1e-12 * abs(float(bound)):
                 raise InputError(
