@@ -21,6 +21,18 @@ _HOME = {
     "Unknown": "affine",
     "Spring": "balancers.spring",
     "Line": "balancers.paths",
+    "Cable": "balancers.paths",
+    "Pulley": "balancers.paths",
+    "Angle": "balancers.paths",
+    "Absolute": "balancers.paths",
+    "Gear": "balancers.paths",
+    "Drum": "balancers.paths",
+    "ScotchYoke": "balancers.paths",
+    "SliderCrank": "balancers.paths",
+    "InvertedSliderCrank": "balancers.paths",
+    "Cam": "balancers.paths",
+    "Profile": "balancers.paths",
+    "Mount": "balancers.paths",
     "Linear": "balancers.laws",
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
@@ -96,7 +108,21 @@ if TYPE_CHECKING:
         WireMass,
         ZeroFreeLength,
     )
-    from equipoise.balancers.paths import Line
+    from equipoise.balancers.paths import (
+        Absolute,
+        Angle,
+        Cable,
+        Cam,
+        Drum,
+        Gear,
+        InvertedSliderCrank,
+        Line,
+        Mount,
+        Profile,
+        Pulley,
+        ScotchYoke,
+        SliderCrank,
+    )
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design

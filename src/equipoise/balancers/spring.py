@@ -11,7 +11,8 @@ import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
 from equipoise.balancers.laws import Law, Stored, WireMass
-from equipoise.balancers.paths import Path
+from equipoise.balancers.paths import Path, Place
+from equipoise.balancers.paths.bodies import outline
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism, Point
 from equipoise.parameters import tag
@@ -61,6 +62,20 @@ class Spring:
                 hint=f"give law.k a value, and free it in `shape` as {self.name}.law.k",
             )
         return self.mass.of(rate)
+
+    @property
+    def masses(self) -> tuple[tuple[Place, Any], ...]:
+        """Places and masses, kg, of the spring's own mass, lumped, and of its path's parts."""
+        return (*self._lumped, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+
+    @property
+    def _lumped(self) -> tuple[tuple[Place, Any], ...]:
+        own = np.asarray(self.own_mass)
+        if not np.any(own):
+            return ()
+        ends = [place for place, _ in self.path.ends()]
+        shares = (1 - self.mass_at, self.mass_at) if len(ends) > 1 else (1.0,)
+        return tuple((place, share * own) for place, share in zip(ends, shares, strict=True))
 
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError where the spring cannot act on the mechanism."""
@@ -129,19 +144,8 @@ class Spring:
         raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy", "storage"]))
 
     def _weight(self, states: States, goal: str) -> Any:
-        mass = self.own_mass
-        if not np.any(mass):
-            return 0.0
         answer = states.weight_effort if goal == "hold" else states.weight_energy
-        return sum(answer(point, share * np.asarray(mass)) for point, share in self.carriers)
-
-    @property
-    def carriers(self) -> tuple[tuple[Point, Any], ...]:
-        """Points that carry the spring's own mass, with their shares."""
-        ends = self.path.ends()
-        if len(ends) != 2:
-            return ends
-        return (ends[0][0], 1 - self.mass_at), (ends[1][0], self.mass_at)
+        return sum((answer(place, mass) for place, mass in self.masses), 0.0)
 
     def force(self, states: States, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Length (N,), m, and force (N,), N, for given values of the unknowns {name: value}."""
@@ -187,8 +191,9 @@ class Spring:
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = bias
-        for side, (point, share) in zip("abcdefgh", self.carriers, strict=False):
-            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(share * self.own_mass))
+        for side, (place, mass) in zip("ab", self._lumped, strict=False):
+            point = place if isinstance(place, Point) else place.seat(outline(spec), self.name)
+            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(mass))
 
 
 def actuator_name(spring: str) -> str:
