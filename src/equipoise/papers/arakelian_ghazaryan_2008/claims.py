@@ -65,8 +65,8 @@ def _zero_free_length() -> list[Claim]:
             "8.3",
             100 * (heavy / light - 1),
             "%",
-            note="read as m2 r / (2 m1 s1) with the mass of the heavier spring, which is the ratio of the rates less one; "
-            f"the spring of 299 N/m itself weighs {float(WIRE_1.of(light)):.3f} kg, "
+            note="read as m2 r / (2 m1 s1) with the heavier spring's mass, which is the ratio of the rates less one; the "
+            f"spring of 299 N/m itself weighs {float(WIRE_1.of(light)):.3f} kg, "
             f"{50 * float(WIRE_1.of(light)) * R / (MASS * COM):.2f} %",
         ),
     ]

@@ -61,6 +61,7 @@ def exact_rate(wire: eq.WireMass) -> float:
     return (-q / 2 + math.sqrt((q / 2) ** 2 - u)) ** 2
 
 
+@functools.cache
 def light_rate() -> float:
     """The rate of the weightless spring of section 3.1, by the convex program."""
     return eq.balance(link(), [zero_free_length(None)], over(5)).values["s.k"]
