@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -99,18 +100,18 @@ class Mechanism:
         """Names of all joints."""
         return tuple(self.model.joint(i).name for i in range(self.model.njnt))
 
-    @property
+    @cached_property
     def driven_ids(self) -> Array:
         """Joint numbers of the driven joints (nd,)."""
         return np.array([self.joint_id(name) for name in self.driven], dtype=int)
 
-    @property
+    @cached_property
     def driven_units(self) -> tuple[str, ...]:
         """Unit of the holding effort per driven joint: N m for a hinge, N for a slide."""
         slide = mujoco.mjtJoint.mjJNT_SLIDE
         return tuple("N" if self.model.jnt_type[i] == slide else "N m" for i in self.driven_ids)
 
-    @property
+    @cached_property
     def driven_blocks(self) -> tuple[Block, ...]:
         """One block per driven joint."""
         return tuple(Block(name, unit) for name, unit in zip(self.driven, self.driven_units, strict=True))

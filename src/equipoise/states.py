@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -94,6 +95,8 @@ class States:
         arm = xmat @ local if local.ndim == 1 else (xmat @ local[..., None])[..., 0]
         position = xpos + arm
         linear, angular = self._twist(body)
+        if not ancestors(self.mechanism.model, body):
+            return position, linear
         offset = position - self.kin.com[:, body]
         x, y, z = (offset[..., i, None] for i in range(3))
         wx, wy, wz = (angular[:, i] for i in range(3))
@@ -112,7 +115,7 @@ class States:
         index = self.mechanism.body_id(body)
         return self.kin.xmat[:, index], self._twist(index)[1]
 
-    @property
+    @cached_property
     def holding(self) -> Array:
         """Holding effort of the bare mechanism and its payload (N, nd): D^T (bias - spring) - sum m g . J."""
         free = np.squeeze((self.kin.bias - self.kin.spring)[:, None, :] @ self.D, axis=1)

@@ -10,8 +10,8 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import EquipoiseError, InfeasibleError
-from equipoise.solve.certificate import Gap, Multipliers, certify
 from equipoise.solve.answer import Answer, Working
+from equipoise.solve.certificate import Gap, Multipliers, certify
 from equipoise.solve.convex import solve_restricted
 from equipoise.solve.least_distance import is_least_squares, solve_least_distance
 from equipoise.solve.polish import polish

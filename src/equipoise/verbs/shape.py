@@ -16,7 +16,7 @@ from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
 from equipoise.parameters import candidates, read, unit_of, write
 from equipoise.solve.program import Norm, Program
-from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, linearise, screen, spread_out
+from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, distinct, linearise, screen, spread_out
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
@@ -24,7 +24,6 @@ from equipoise.verbs.balance import Balanced, Task, certify, finish, floors, set
 
 COARSE = 400
 PER_START = 24
-AGREE = 6
 
 Progress = Callable[[int, int, float], None]
 
@@ -64,7 +63,7 @@ def shape(
 
     free maps parameter names such as `s1.path.line.0.z` to (low, high), SI. Geometries are screened with the
     exact least-squares inner solution, the best and farthest apart become starts, each descends by sequential
-    convex programming on few states until six of them agree on the best value, the best finish on all. The same seed gives the same design; progress is
+    convex programming on few states until it is unlikely that an optimum is still unseen, the best finish on all. The same seed gives the same design; progress is
     called with (starts done, starts, best value). Ctrl-C ends the search with the best design so far.
     """
     if not free:
@@ -131,7 +130,7 @@ def _descend_all(
             found.append(descend(coarse, search.freedoms, gamma, load, precision=1e-7 if few is not states else 1e-9))
             if progress:
                 progress(done, len(begin), min(local.merit for local in found))
-            if _settled(found, load):
+            if _settled(found):
                 break
     except KeyboardInterrupt:
         if not found:
@@ -145,10 +144,14 @@ def _descend_all(
     return Optima(tuple(found), seed)
 
 
-def _settled(found: list[Local], load: float) -> bool:
-    """Whether enough starts have ended in the best value so far that more would teach nothing."""
-    best = min(local.merit for local in found)
-    return sum(local.merit <= best * (1 + 1e-4) + 1e-7 * load for local in found) >= AGREE
+def _settled(found: list[Local]) -> bool:
+    """Whether the starts so far make it unlikely that an optimum is still unseen.
+
+    n starts that ended in w optima let expect w (n - 1) / (n - w - 2) of them in all (Boender and Rinnooy Kan,
+    unsourced); the search ends when that is less than half an optimum more than were seen.
+    """
+    n, w = len(found), distinct(found)
+    return n > w + 2 and w * (n - 1) / (n - w - 2) < w + 0.5
 
 
 def _distinct(found: list[Local], freedoms: Sequence[Freedom], count: int) -> list[Local]:
