@@ -21,6 +21,18 @@ _HOME = {
     "Unknown": "affine",
     "Spring": "balancers.spring",
     "Line": "balancers.paths",
+    "Cable": "balancers.paths",
+    "Pulley": "balancers.paths",
+    "Angle": "balancers.paths",
+    "Absolute": "balancers.paths",
+    "Gear": "balancers.paths",
+    "Drum": "balancers.paths",
+    "ScotchYoke": "balancers.paths",
+    "SliderCrank": "balancers.paths",
+    "InvertedSliderCrank": "balancers.paths",
+    "Cam": "balancers.paths",
+    "Profile": "balancers.paths",
+    "Mount": "balancers.paths",
     "Linear": "balancers.laws",
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
@@ -80,7 +92,21 @@ if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
-    from equipoise.balancers.paths import Line
+    from equipoise.balancers.paths import (
+        Absolute,
+        Angle,
+        Cable,
+        Cam,
+        Drum,
+        Gear,
+        InvertedSliderCrank,
+        Line,
+        Mount,
+        Profile,
+        Pulley,
+        ScotchYoke,
+        SliderCrank,
+    )
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design
