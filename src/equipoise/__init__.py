@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 _HOME = {
     "Mechanism": "mechanism",
     "Point": "mechanism",
+    "Platform": "mechanism",
     "Sweep": "sweep",
     "Payload": "sweep",
     "States": "states",
@@ -31,6 +32,7 @@ _HOME = {
     "SliderCrank": "balancers.paths",
     "InvertedSliderCrank": "balancers.paths",
     "Cam": "balancers.paths",
+    "Reel": "balancers.paths",
     "Profile": "balancers.paths",
     "Mount": "balancers.paths",
     "Linear": "balancers.laws",
@@ -55,6 +57,8 @@ _HOME = {
     "four_bar": "models.four_bar",
     "human_leg": "models.human_leg",
     "slider_crank": "models.slider_crank",
+    "cable_platform": "models.cable_platform",
+    "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "balance": "verbs.balance",
     "shape": "verbs.shape",
@@ -105,6 +109,7 @@ if TYPE_CHECKING:
         Mount,
         Profile,
         Pulley,
+        Reel,
         ScotchYoke,
         SliderCrank,
     )
@@ -121,7 +126,9 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
-    from equipoise.mechanism import Mechanism, Point
+    from equipoise.mechanism import Mechanism, Platform, Point
+    from equipoise.models.cable_platform import cable_platform
+    from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
     from equipoise.models.human_leg import human_leg

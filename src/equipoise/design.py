@@ -112,11 +112,11 @@ class Design:
         """The norm that was made small."""
         return next(aim.norm for aim in self.objective if aim.cap is None)
 
-    def residual(self, states: States) -> np.ndarray:
-        """Holding effort (N, nd) with the balancers, at any states."""
+    def residual(self, states: States, goal: str = "hold") -> np.ndarray:
+        """A goal's residual (N, R) with the balancers, at any states; of `hold` (N, nd)."""
         from equipoise.assemble import effort
 
-        total = effort(self.mechanism, self.balancers, states)
+        total = effort(self.mechanism, self.balancers, states, goal)
         return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
 
     def parts(self) -> list[dict[str, Any]]:

@@ -19,6 +19,7 @@ from equipoise.balancers.paths import (
     Path,
     Profile,
     Pulley,
+    Reel,
     ScotchYoke,
     SliderCrank,
     Turn,
@@ -27,6 +28,8 @@ from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
 from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
 from equipoise.mechanism import Mechanism, Point
+from equipoise.models.cable_platform import cable_platform
+from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
 from equipoise.models.human_leg import human_leg
@@ -43,12 +46,17 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "human_leg": human_leg,
     "four_bar": four_bar,
     "slider_crank": slider_crank,
+    "cable_platform": cable_platform,
+    "caspr": caspr,
 }
 MECHANISMS: dict[str, Callable[..., Any]] = {"model": Mechanism.load, **BUILDERS}
 SWEEPS: dict[str, Callable[..., Any]] = {
     "sobol": Sweep.sobol,
     "grid": Sweep.grid,
     "quadrature": Sweep.quadrature,
+    "triangle": Sweep.triangle,
+    "polygon": Sweep.polygon,
+    "box": Sweep.region,
     "poses": Sweep.of_poses,
 }
 BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
@@ -62,6 +70,7 @@ PATHS: dict[str, Callable[..., Any]] = {
     "slider_crank": SliderCrank,
     "inverted_slider_crank": InvertedSliderCrank,
     "cam": Cam,
+    "reel": Reel,
 }
 PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
