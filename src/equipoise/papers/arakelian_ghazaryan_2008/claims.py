@@ -65,7 +65,7 @@ def _zero_free_length() -> list[Claim]:
             "8.3",
             100 * (heavy / light - 1),
             "%",
-            note="read as m2 r / (2 m1 s1) with the heavier spring's mass, which is the ratio of the rates less one; the "
+            note="read as m2 r / (2 m1 s1) with the heavier spring's mass: the ratio of the rates less one; the "
             f"spring of 299 N/m itself weighs {float(WIRE_1.of(light)):.3f} kg, "
             f"{50 * float(WIRE_1.of(light)) * R / (MASS * COM):.2f} %",
         ),

@@ -43,7 +43,7 @@ def claims() -> list[Claim]:
 
 
 def _introduction() -> list[Claim]:
-    energy, dyad = design(THREE)
+    _, dyad = design(THREE)
     straight = eq.balance(link(), [_direct(eq.Coil(0.2))], over(), norm="rms").certificate
     swivel = eq.InvertedSliderCrank(eq.Angle(JOINT), crank=0.3, distance=0.25)
     rod = eq.balance(link(), [eq.Spring("s", swivel, eq.Linear())], over(), norm="peak")
@@ -58,8 +58,8 @@ def _introduction() -> list[Claim]:
             straight.dual,
             lambda floor: floor > ROUNDING,
             "N m",
-            note="certified lower bound of the rms over all rates, spring of 0.2 m free length from 0.25 m above the axis "
-            "to 0.3 m along the link",
+            note="certified lower bound of the rms over all rates: a spring of 0.2 m free length from 0.25 m above the "
+            "axis to 0.3 m along the link",
         ),
         P.sentence(
             "the mass of the spring does not affect the balancing",
@@ -119,7 +119,7 @@ def _synthesis() -> list[Claim]:
             flat.r * math.cos(flat.beta) - _z1(at(60.0, 90.0, 120.0), 180.0),
             lambda gap: abs(gap) < ROUNDING,
             "m",
-            correction="r = hypot(z1, z2), beta = atan2(z2, z1): z2 / sin(beta) is 0 / 0 at beta = 0, where good designs lie",
+            correction="r = hypot(z1, z2), beta = atan2(z2, z1): z2 / sin(beta) is 0 / 0 at beta = 0",
             note="difference of r cos(beta) to z1",
         ),
     ]

@@ -51,9 +51,7 @@ def _published(norm: Norm) -> float:
 
 def _family(positions: tuple[float, ...], words: str) -> Improvement:
     states = link().states(over())
-    energy = model.best_energy(at(*positions), lambda moment: rms(moment), 200.0, 240.0)
-    if positions != MANY:
-        energy = _energy(positions)
+    energy = model.best_energy(at(*positions), rms, states)
     dyad = synthesis(at(*positions), energy)
     moment = dyad.moment(states)
     return Improvement(
@@ -67,18 +65,6 @@ def _family(positions: tuple[float, ...], words: str) -> Improvement:
         certificate="scan of C",
         note=f"peak {largest(moment):.4g} N m",
     )
-
-
-def _energy(positions: tuple[float, ...]) -> float:
-    """The energy whose dyad has the least rms over 30 to 150 deg by 1 deg, J."""
-    from scipy.optimize import minimize_scalar
-
-    states = link().states(over())
-
-    def cost(energy: float) -> float:
-        return rms(synthesis(at(*positions), energy).moment(states))
-
-    return float(minimize_scalar(cost, bounds=(200.0, 240.0), method="bounded", options={"xatol": 1e-9}).x)
 
 
 @functools.cache
@@ -110,5 +96,5 @@ def _words(dyad: Dyad) -> dict[str, str]:
     return {
         "r": quantity(dyad.r, "m", 5),
         "l": quantity(dyad.l, "m", 5),
-        "beta": f"{np.degrees(dyad.beta):.4g} deg",
+        "beta": f"{np.degrees(dyad.beta) + 0.0:.4g} deg",
     }

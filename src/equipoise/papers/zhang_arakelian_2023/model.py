@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,20 +90,22 @@ def signed_sum(moment: Array) -> float:
     return float(np.abs(moment.sum()))
 
 
-def best_energy(states: eq.States, judge: object = largest, low: float = 140.0, high: float = 260.0) -> float:
-    """The energy C whose dyad makes judge(moments at the prescribed positions) least, J: scan, then golden section."""
+def best_energy(positions: eq.States, judge: Callable[[Array], float], judged: eq.States | None = None) -> float:
+    """The energy C, J, whose dyad makes judge(moments) least at the positions, or at other states where given."""
     from scipy.optimize import minimize_scalar
 
-    def cost(energy: float) -> float:
-        return judge(synthesis(states, energy).moment(states))  # type: ignore[operator]
+    where = positions if judged is None else judged
 
-    scan: Sequence[float] = np.linspace(low, high, 61).tolist()
-    best = min(scan, key=cost)
-    step = (high - low) / 60
+    def cost(energy: float) -> float:
+        return judge(synthesis(positions, energy).moment(where))
+
+    scan = np.linspace(*ENERGIES, 61)
+    best, step = min(scan.tolist(), key=cost), scan[1] - scan[0]
     found = minimize_scalar(cost, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-9})
     return float(found.x)
 
 
+ENERGIES = (140.0, 260.0)
 THREE = (30.0, 90.0, 150.0)
 PRINTED = (30.0, 60.0, 120.0)
 MANY = tuple(float(angle) for angle in range(30, 151))
@@ -112,5 +114,5 @@ MANY = tuple(float(angle) for angle in range(30, 151))
 @functools.cache
 def design(positions: tuple[float, ...]) -> tuple[float, Dyad]:
     """Energy and dyad for prescribed positions by the least largest moment at them, which gives the paper's digits."""
-    energy = best_energy(at(*positions))
+    energy = best_energy(at(*positions), largest)
     return energy, synthesis(at(*positions), energy)
