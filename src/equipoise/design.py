@@ -16,7 +16,6 @@ from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.units import along_path
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Verification
@@ -196,14 +195,16 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     storage = spring.effort(design.states, "storage")
     energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
     stored = spring.stored(design.values, design.states)
+    parameters = spring.parameters(design.values)
+    units = spring.law.parameter_units(spring.path.unit)
     return {
         "name": spring.name,
         "kind": "spring",
         "law": type(spring.law).__name__,
         "path": type(spring.path).__name__,
-        "parameters": (parameters := spring.parameters(design.values)),
-        "units": {"length": spring.path.unit, "force": along_path("N or N m", spring.path.unit)}
-        | {name: unit for name, unit in spring.law.parameter_units(spring.path.unit).items() if name in parameters},
+        "unit": spring.path.unit,
+        "parameters": parameters,
+        "units": {name: units[name] for name in parameters},
         "stored": {"exact": stored.exact, "error": stored.error},
         "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],

@@ -66,9 +66,16 @@ class Spring:
     @property
     def masses(self) -> tuple[tuple[Place, Any], ...]:
         """Places and masses, kg, of the spring's own mass, lumped, and of its path's parts."""
-        own = self.own_mass
-        shares = ((place, share * np.asarray(own)) for place, share in self.carriers) if np.any(own) else ()
-        return (*shares, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+        return (*self._lumped, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+
+    @property
+    def _lumped(self) -> tuple[tuple[Place, Any], ...]:
+        own = np.asarray(self.own_mass)
+        if not np.any(own):
+            return ()
+        ends = [place for place, _ in self.path.ends()]
+        shares = (1 - self.mass_at, self.mass_at) if len(ends) > 1 else (1.0,)
+        return tuple((place, share * own) for place, share in zip(ends, shares, strict=True))
 
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError where the spring cannot act on the mechanism."""
@@ -103,10 +110,12 @@ class Spring:
                     raise InputError(f"law.{name} is in {item.unit}, on this path it must be in {wanted}", where=where)
 
     def check_span(self, states: States) -> None:
-        """Raise InputError where a length of the sweep leaves the span in which the law holds."""
-        if self.law.defined_beyond or self.law.span == (None, None):
+        """Raise InputError where a length of the states leaves the span in which the law holds; candidates may."""
+        if self.law.defined_beyond or all(end is None for end in self.law.span):
             return
-        length = np.real(self.path.deform(states)[0])
+        length = self.path.deform(states)[0]
+        if length.ndim > 1 or np.iscomplexobj(length) or any(np.ndim(end) for end in self.law.span):
+            return
         for bound, reached, side in zip(self.law.span, (length.min(), length.max()), (1, -1), strict=True):
             if bound is not None and side * (reached - float(bound)) < -1e-12 * abs(float(bound)):
                 raise InputError(
@@ -137,14 +146,6 @@ class Spring:
     def _weight(self, states: States, goal: str) -> Any:
         answer = states.weight_effort if goal == "hold" else states.weight_energy
         return sum((answer(place, mass) for place, mass in self.masses), 0.0)
-
-    @property
-    def carriers(self) -> tuple[tuple[Place, Any], ...]:
-        """Places that carry the spring's own mass, with their shares."""
-        ends = self.path.ends()
-        if len(ends) != 2:
-            return ends
-        return (ends[0][0], 1 - self.mass_at), (ends[1][0], self.mass_at)
 
     def force(self, states: States, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Length (N,), m, and force (N,), N, for given values of the unknowns {name: value}."""
@@ -190,9 +191,9 @@ class Spring:
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = bias
-        for side, (place, share) in zip("ab", self.carriers if self.own_mass else (), strict=False):
+        for side, (place, mass) in zip("ab", self._lumped, strict=False):
             point = place if isinstance(place, Point) else place.seat(outline(spec), self.name)
-            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(share * self.own_mass))
+            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(mass))
 
 
 def actuator_name(spring: str) -> str:
