@@ -49,6 +49,12 @@ LAWS = {
     "coil_free_length_unknown": eq.Coil(free_length=None),
     "coil_all_unknown": eq.Coil(free_length=None, initial_tension=None),
     "constant": eq.Constant(),
+    "gas_push": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4),
+    "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
+    "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),
+    "gas_given": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, pressure=2e6, exponent=1.2, action="pull"),
+    "polynomial": eq.Polynomial((0.05, 1.6), degree=5),
+    "polynomial_given": eq.Polynomial((0.05, 1.6), degree=2, coefficients=(30.0, 8.0, -2.0)),
 }
 PATHS = {
     "to_world": lambda m: eq.Line(eq.Point("world", (0.1, 0.05, 0.6)), eq.Point(bodies(m)[0], (0.12, 0.01, 0.03))),
@@ -67,7 +73,7 @@ BALANCERS = {
     for path, p in PATHS.items()
     for law, w in LAWS.items()
     for mass, k in MASSES.items()
-    if mass == "massless" or law == "coil"
+    if mass == "massless" or law in ("coil", "gas_push")
 } | WEIGHTS
 
 every = pytest.mark.parametrize(
@@ -121,7 +127,7 @@ def test_efforts_add_up_and_units_agree(posed, mechanism, balancer):
     theta = np.linspace(1.0, 2.0, len(part.unknowns))
     np.testing.assert_allclose(total.at(theta), states.holding + alone.at(theta), atol=1e-10)
     assert [block.unit for block in alone.blocks] == list(mech.driven_units)
-    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "kg", "kg m"}
+    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "kg", "kg m", "Pa"}
     assert part.effort(states, "storage").blocks[0].unit == "J"
 
 

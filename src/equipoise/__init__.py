@@ -27,6 +27,9 @@ _HOME = {
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
+    "Gas": "balancers.laws",
+    "Torsion": "balancers.laws",
+    "Polynomial": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
     "Force": "limits",
@@ -84,7 +87,16 @@ if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.cable import Cable
     from equipoise.balancers.counterweight import Counterweight
-    from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
+    from equipoise.balancers.laws import (
+        Coil,
+        Constant,
+        Gas,
+        Linear,
+        Polynomial,
+        Torsion,
+        WireMass,
+        ZeroFreeLength,
+    )
     from equipoise.balancers.paths import Line
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim

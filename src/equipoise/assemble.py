@@ -43,6 +43,13 @@ def check(mechanism: Mechanism, balancers: Sequence[Balancer]) -> None:
         seen[balancer.name] = balancer
 
 
+def within(balancers: Sequence[Balancer], states: States) -> None:
+    """Raise InputError where a spring's law means nothing at a length of the states."""
+    for balancer in balancers:
+        if isinstance(balancer, Spring):
+            balancer.check_span(states)
+
+
 def _kind(balancer: Balancer) -> type:
     return type(balancer.law) if isinstance(balancer, Spring) else type(balancer)
 

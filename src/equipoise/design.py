@@ -16,6 +16,7 @@ from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
 from equipoise.states import States
 from equipoise.sweep import Sweep
+from equipoise.units import along_path
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Verification
@@ -189,13 +190,17 @@ class Design:
 
 def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     length, force = spring.force(design.states, design.values)
-    stored = spring.effort(design.states, "storage")
-    energy = stored.at(np.array([design.values[unknown.name] for unknown in stored.unknowns]))[:, 0]
+    storage = spring.effort(design.states, "storage")
+    energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
+    stored = spring.stored(design.values, design.states)
     return {
         "name": spring.name,
         "kind": "spring",
         "law": type(spring.law).__name__,
-        "parameters": spring.parameters(design.values),
+        "parameters": (parameters := spring.parameters(design.values)),
+        "units": {"length": spring.path.unit, "force": along_path("N or N m", spring.path.unit)}
+        | {name: unit for name, unit in spring.law.parameter_units(spring.path.unit).items() if name in parameters},
+        "stored": {"exact": stored.exact, "error": stored.error},
         "ends": [
             {"body": point.body, "at": [float(v) for v in point.at]} for point in spring.path.span(design.mechanism)
         ],

@@ -7,7 +7,17 @@ from typing import Any
 
 from equipoise.balancers.cable import Cable
 from equipoise.balancers.counterweight import Counterweight
-from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
+from equipoise.balancers.laws import (
+    Coil,
+    Constant,
+    Gas,
+    Law,
+    Linear,
+    Polynomial,
+    Torsion,
+    WireMass,
+    ZeroFreeLength,
+)
 from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
@@ -49,6 +59,9 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "gas": Gas,
+    "torsion": Torsion,
+    "polynomial": Polynomial,
 }
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
 LIMITS: dict[str, Callable[..., Any]] = {

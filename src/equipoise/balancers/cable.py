@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import mujoco
 
@@ -21,6 +22,7 @@ class Cable:
     """
 
     cable: str
+    unit: ClassVar[str] = "m"
 
     def deform(self, states: States) -> tuple[Array, Array]:
         """Length l (N,) and its derivative dl/dq_driven (N, nd); zero where the cable has no length."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import mujoco
 import numpy as np
@@ -24,6 +25,7 @@ class Line:
 
     a: Point
     b: Point
+    unit: ClassVar[str] = "m"
 
     def deform(self, states: States) -> tuple[Array, Array]:
         """Length l (..., N) and its derivative dl/dq_driven (..., N, nd).

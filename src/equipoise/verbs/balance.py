@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from equipoise.affine import Array, Unknown, magnitudes
-from equipoise.assemble import Balancer, build, check, effort, thrift
+from equipoise.assemble import Balancer, build, check, effort, thrift, within
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import InfeasibleError, InputError
 from equipoise.limits import Limit
@@ -96,6 +96,7 @@ def settle(task: Task) -> Balanced:
     started = len(task.sweep.poses)
     for _ in range(ROUNDS):
         states = task.mechanism.states(task.sweep)
+        within(task.balancers, states)
         program = task.program(states)
         solution = saved(task, states, program, solve(program))
         found = _between(task, states, program, solution)
