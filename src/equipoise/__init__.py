@@ -30,10 +30,14 @@ _HOME = {
     "Gas": "balancers.laws",
     "Torsion": "balancers.laws",
     "Polynomial": "balancers.laws",
+    "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
     "Force": "limits",
     "Slack": "limits",
+    "Slope": "limits",
+    "Curvature": "limits",
+    "Convex": "limits",
     "Length": "limits",
     "Stroke": "limits",
     "Stiffness": "limits",
@@ -110,7 +114,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
-    from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+    from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr

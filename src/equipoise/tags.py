@@ -8,6 +8,7 @@ from typing import Any
 from equipoise.balancers.cable import Cable
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.laws import (
+    BSpline,
     Coil,
     Constant,
     Gas,
@@ -21,7 +22,7 @@ from equipoise.balancers.laws import (
 from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
-from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
 from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
@@ -62,6 +63,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "gas": Gas,
     "torsion": Torsion,
     "polynomial": Polynomial,
+    "bspline": BSpline,
 }
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
 LIMITS: dict[str, Callable[..., Any]] = {
@@ -72,6 +74,9 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "slope": Slope,
+    "curvature": Curvature,
+    "convex": Convex,
 }
 
 

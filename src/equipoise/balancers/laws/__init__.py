@@ -1,5 +1,6 @@
 """Laws: forces affine in their unknowns, f = B(l) theta + f0, with their integral E(l); one idea per file."""
 
+from equipoise.balancers.laws.bspline import BSpline
 from equipoise.balancers.laws.coil import Coil
 from equipoise.balancers.laws.gas import Gas
 from equipoise.balancers.laws.law import Law, Share
@@ -10,6 +11,7 @@ from equipoise.balancers.laws.torsion import Torsion
 from equipoise.balancers.laws.wire import WireMass
 
 __all__ = [
+    "BSpline",
     "Coil",
     "Constant",
     "Gas",
