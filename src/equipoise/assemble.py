@@ -58,10 +58,7 @@ def effort(mechanism: Mechanism, balancers: Sequence[Balancer], states: States, 
     """The whole residual of a goal: the mechanism's share plus every balancer's; `wrench` follows from `hold`."""
     if goal == "wrench":
         return resultant(states, effort(mechanism, balancers, states))
-    total = mechanism.effort(states, goal)
-    for balancer in balancers:
-        total = total + balancer.effort(states, goal)
-    return total
+    return Affine.total([mechanism.effort(states, goal), *(balancer.effort(states, goal) for balancer in balancers)])
 
 
 def storage(balancers: Sequence[Balancer], states: States) -> Affine:
