@@ -39,9 +39,13 @@ class Product:
     columns: NDArray[np.int_]
 
 
-def is_big(states: States, aim: Aim, unknowns: int) -> bool:
-    """Whether a term is better summed than spelled out: only an rms can be."""
-    return aim.norm == "rms" and len(states) * states.driven.shape[1] * unknowns > BIG
+def is_big(balancers: Balancers, states: States, unknowns: int) -> bool:
+    """Whether a residual is better summed than spelled out; candidates and complex steps are for few states."""
+    if len(states) * states.driven.shape[1] * unknowns <= BIG:
+        return False
+    probe = states.take(slice(0, 1))
+    lengths = [balancer.path.deform(probe)[0] for balancer in balancers if isinstance(balancer, Spring)]
+    return all(np.ndim(length) == 1 and np.isrealobj(length) for length in lengths)
 
 
 def rms_term(mechanism: Mechanism, balancers: Balancers, states: States, aim: Aim) -> Term:

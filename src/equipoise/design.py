@@ -12,11 +12,10 @@ from equipoise import __version__
 from equipoise.assemble import Balancer
 from equipoise.balancers.spring import Spring
 from equipoise.limits import Limit
-from equipoise.mechanism import Mechanism
+from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.units import along_path
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Verification
@@ -193,20 +192,24 @@ class Design:
 
 def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     length, force = spring.force(design.states, design.values)
+    model = design.mechanism.model
+    places = [place for place, _ in spring.path.ends()]
+    ends = [place if isinstance(place, Point) else place.seat(model, spring.name) for place in places]
     storage = spring.effort(design.states, "storage")
     energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
     stored = spring.stored(design.values, design.states)
+    parameters = spring.parameters(design.values)
+    units = spring.law.parameter_units(spring.path.unit)
     return {
         "name": spring.name,
         "kind": "spring",
         "law": type(spring.law).__name__,
-        "parameters": (parameters := spring.parameters(design.values)),
-        "units": {"length": spring.path.unit, "force": along_path("N or N m", spring.path.unit)}
-        | {name: unit for name, unit in spring.law.parameter_units(spring.path.unit).items() if name in parameters},
+        "path": type(spring.path).__name__,
+        "unit": spring.path.unit,
+        "parameters": parameters,
+        "units": {name: units[name] for name in parameters},
         "stored": {"exact": stored.exact, "error": stored.error},
-        "ends": [
-            {"body": point.body, "at": [float(v) for v in point.at]} for point in spring.path.span(design.mechanism)
-        ],
+        "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],
         "stroke": float(length.max() - length.min()),
         "force": [float(force.min()), float(force.max())],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import mujoco
 import numpy as np
@@ -15,6 +15,18 @@ from equipoise.mechanism import Mechanism, Point
 
 if TYPE_CHECKING:
     from equipoise.sweep import Sweep
+
+
+class Spot(Protocol):
+    """A point that no body of the mechanism carries, such as a slider: it says where it is and what carries it."""
+
+    def locate(self, states: States) -> tuple[Array, Array]:
+        """World position p (..., N, 3), m, and its Jacobian dp/dq_driven (..., N, 3, nd)."""
+        ...
+
+    def seat(self, model: mujoco.MjModel, name: str) -> Point:
+        """The point of the body that carries the spot in a model in which the part `name` was installed."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +109,13 @@ class States:
             self.D if len(self.D) == 1 else self.D[rows],
         )
 
-    def point(self, point: Point) -> tuple[Array, Array]:
-        """World position p (..., N, 3) and its Jacobian dp/dq_driven (..., N, 3, nd) of a body's point.
+    def point(self, point: Point | Spot) -> tuple[Array, Array]:
+        """World position p (..., N, 3) and its Jacobian dp/dq_driven (..., N, 3, nd) of a body's point, or of a spot.
 
-        Coordinates may be complex or carry leading candidate axes (C, 1): position and Jacobian follow.
+        Coordinates may be complex, carry leading candidate axes (C, 1) or differ from row to row (N,).
         """
+        if not isinstance(point, Point):
+            return point.locate(self)
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
@@ -144,13 +158,13 @@ class States:
             total = total + self.weight_energy(point, mass)
         return total
 
-    def weight_effort(self, point: Point, mass: Any) -> Array:
+    def weight_effort(self, point: Point | Spot, mass: Any) -> Array:
         """Holding effort (..., N, nd) of a point mass (kg, scalar or per row): -m g . J."""
         _, jacobian = self.point(point)
         lift = np.einsum("i,...ij->...j", -self.mechanism.gravity, jacobian)
         return np.asarray(mass)[..., None] * lift
 
-    def weight_energy(self, point: Point, mass: Any) -> Array:
+    def weight_energy(self, point: Point | Spot, mass: Any) -> Array:
         """Potential energy (..., N) of a point mass, J: -m g . p."""
         position, _ = self.point(point)
         return np.asarray(mass) * (position @ -self.mechanism.gravity)

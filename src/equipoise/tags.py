@@ -12,14 +12,31 @@ from equipoise.balancers.laws import (
     Coil,
     Constant,
     Gas,
+    HydroPneumatic,
     Law,
     Linear,
+    Nitrogen,
     Polynomial,
     Torsion,
     WireMass,
     ZeroFreeLength,
 )
-from equipoise.balancers.paths import Line
+from equipoise.balancers.paths import (
+    Absolute,
+    Angle,
+    Cable,
+    Cam,
+    Drum,
+    Gear,
+    InvertedSliderCrank,
+    Line,
+    Path,
+    Profile,
+    Pulley,
+    ScotchYoke,
+    SliderCrank,
+    Turn,
+)
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
 from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
@@ -54,17 +71,31 @@ SWEEPS: dict[str, Callable[..., Any]] = {
     "poses": Sweep.of_poses,
 }
 BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
-PATHS: dict[str, Callable[..., Any]] = {"line": Line, "cable": Cable}
+TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
+PATHS: dict[str, Callable[..., Any]] = {
+    "line": Line,
+    "cable": Cable,
+    **TURNS,
+    "drum": Drum,
+    "scotch_yoke": ScotchYoke,
+    "slider_crank": SliderCrank,
+    "inverted_slider_crank": InvertedSliderCrank,
+    "cam": Cam,
+}
+PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
+PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
     "gas": Gas,
+    "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
     "bspline": BSpline,
 }
+EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
@@ -95,16 +126,26 @@ BALANCER = Family("balancer", _members(BALANCERS))
 LIMIT = Family("limit", _members(LIMITS), leading=True)
 PATH = Family("path", _members(PATHS))
 LAW = Family("law", _members(LAWS))
+TURN = Family("angle", _members(TURNS))
+PROFILE = Family("profile", _members(PROFILES))
+PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
+EXPONENT = Family("exponent", _members(EXPONENTS))
 
 
 def family_of(hint: Any) -> Family | Form | None:
     """The family that a parameter's type stands for, and how points are written; None for other types."""
     if hint is Point:
         return Form(point)
-    if hint is Law:
-        return LAW
-    for family, table in ((PATH, PATHS), (LAW, LAWS), (MASS, MASSES)):
+    for family, table in (
+        (LAW, {"any": Law, **LAWS}),
+        (TURN, {"any": Turn, **TURNS}),
+        (PATH, {"any": Path, **PATHS}),
+        (PROFILE, PROFILES),
+        (PULLEY, PULLEYS),
+        (MASS, MASSES),
+        (EXPONENT, EXPONENTS),
+    ):
         if isinstance(hint, type) and hint in table.values():
             return family
     return None

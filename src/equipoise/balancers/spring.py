@@ -11,7 +11,8 @@ import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
 from equipoise.balancers.laws import Law, Stored, WireMass
-from equipoise.balancers.paths import Path
+from equipoise.balancers.paths import Path, Place
+from equipoise.balancers.paths.bodies import outline
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism, Point
 from equipoise.parameters import tag
@@ -62,6 +63,20 @@ class Spring:
             )
         return self.mass.of(rate)
 
+    @property
+    def masses(self) -> tuple[tuple[Place, Any], ...]:
+        """Places and masses, kg, of the spring's own mass, lumped, and of its path's parts."""
+        return (*self._lumped, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+
+    @property
+    def _lumped(self) -> tuple[tuple[Place, Any], ...]:
+        own = np.asarray(self.own_mass)
+        if not np.any(own):
+            return ()
+        ends = [place for place, _ in self.path.ends()]
+        shares = (1 - self.mass_at, self.mass_at) if len(ends) > 1 else (1.0,)
+        return tuple((place, share * own) for place, share in zip(ends, shares, strict=True))
+
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError where the spring cannot act on the mechanism."""
         where = f"spring {self.name}"
@@ -95,10 +110,12 @@ class Spring:
                     raise InputError(f"law.{name} is in {item.unit}, on this path it must be in {wanted}", where=where)
 
     def check_span(self, states: States) -> None:
-        """Raise InputError where a length of the sweep leaves the span in which the law holds."""
+        """Raise InputError where a length of the states leaves the span in which the law holds; candidates may."""
         if self.law.defined_beyond or self.law.span == (None, None):
             return
-        length = np.real(self.path.deform(states)[0])
+        length = self.path.deform(states)[0]
+        if length.ndim > 1 or np.iscomplexobj(length) or any(np.ndim(end) for end in self.law.span):
+            return
         for bound, reached, side in zip(self.law.span, (length.min(), length.max()), (1, -1), strict=True):
             if bound is not None and side * (reached - float(bound)) < -1e-12 * abs(float(bound)):
                 raise InputError(
@@ -132,19 +149,8 @@ class Spring:
         return rate, basis, known[..., None] * rate + self._weight(states, "hold")
 
     def _weight(self, states: States, goal: str) -> Any:
-        mass = self.own_mass
-        if not np.any(mass):
-            return 0.0
         answer = states.weight_effort if goal == "hold" else states.weight_energy
-        return sum(answer(point, share * np.asarray(mass)) for point, share in self.carriers)
-
-    @property
-    def carriers(self) -> tuple[tuple[Point, Any], ...]:
-        """Points that carry the spring's own mass, with their shares."""
-        ends = self.path.ends()
-        if len(ends) != 2:
-            return ends
-        return (ends[0][0], 1 - self.mass_at), (ends[1][0], self.mass_at)
+        return sum((answer(place, mass) for place, mass in self.masses), 0.0)
 
     def force(self, states: States, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Length (N,), m, and force (N,), N, for given values of the unknowns {name: value}."""
@@ -190,8 +196,9 @@ class Spring:
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = bias
-        for side, (point, share) in zip("abcdefgh", self.carriers, strict=False):
-            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(share * self.own_mass))
+        for side, (place, mass) in zip("ab", self._lumped, strict=False):
+            point = place if isinstance(place, Point) else place.seat(outline(spec), self.name)
+            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(mass))
 
 
 def actuator_name(spring: str) -> str:

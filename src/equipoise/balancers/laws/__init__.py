@@ -3,7 +3,9 @@
 from equipoise.balancers.laws.bspline import BSpline
 from equipoise.balancers.laws.coil import Coil
 from equipoise.balancers.laws.gas import Gas
+from equipoise.balancers.laws.hydro_pneumatic import HydroPneumatic
 from equipoise.balancers.laws.law import Law, Share
+from equipoise.balancers.laws.nitrogen import Nitrogen
 from equipoise.balancers.laws.polynomial import Polynomial
 from equipoise.balancers.laws.stored import Stored
 from equipoise.balancers.laws.straight import Constant, Linear, ZeroFreeLength
@@ -15,8 +17,10 @@ __all__ = [
     "Coil",
     "Constant",
     "Gas",
+    "HydroPneumatic",
     "Law",
     "Linear",
+    "Nitrogen",
     "Polynomial",
     "Share",
     "Stored",
