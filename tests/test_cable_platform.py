@@ -22,7 +22,7 @@ LITTLE = tuple((0.1 * (2 * x - 1), 0.08 * (2 * y - 1), 0.06 * (2 * z - 1)) for x
 
 def springs(mechanism, law, shared=True):
     cables = mechanism.platform.cables
-    return [eq.Spring(f"s{i}", eq.Cable(c), law, like="s0" if shared and i else None) for i, c in enumerate(cables)]
+    return [eq.Spring(f"s{i}", eq.Reel(c), law, like="s0" if shared and i else None) for i, c in enumerate(cables)]
 
 
 PLATFORMS = {
@@ -149,9 +149,9 @@ def test_problem_file(tmp_path):
 mechanism: {cable_platform: {anchors: [[-500 mm, 0], [500 mm, 0], [0, 0.9]]}}
 sweep: {triangle: [[-0.5, 0], [0.5, 0], [0, 0.9]], points: 6}
 balancers:
-  - spring: {name: s1, path: {cable: [cable_1]}, law: constant}
-  - spring: {name: s2, path: {cable: [cable_2]}, law: constant, like: s1}
-  - spring: {name: s3, path: {cable: [cable_3]}, law: constant, like: s1}
+  - spring: {name: s1, path: {reel: [cable_1]}, law: constant}
+  - spring: {name: s2, path: {reel: [cable_2]}, law: constant, like: s1}
+  - spring: {name: s3, path: {reel: [cable_3]}, law: constant, like: s1}
 limits: [{force: s1, min: 2 N}]
 objective: {goal: wrench}
 """

@@ -32,6 +32,7 @@ _HOME = {
     "SliderCrank": "balancers.paths",
     "InvertedSliderCrank": "balancers.paths",
     "Cam": "balancers.paths",
+    "Reel": "balancers.paths",
     "Profile": "balancers.paths",
     "Mount": "balancers.paths",
     "Linear": "balancers.laws",
@@ -102,7 +103,6 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.cable import Cable
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.laws import (
         Coil,
@@ -128,6 +128,7 @@ if TYPE_CHECKING:
         Mount,
         Profile,
         Pulley,
+        Reel,
         ScotchYoke,
         SliderCrank,
     )

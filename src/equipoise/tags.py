@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from equipoise.balancers.cable import Cable
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.laws import (
     BSpline,
@@ -33,6 +32,7 @@ from equipoise.balancers.paths import (
     Path,
     Profile,
     Pulley,
+    Reel,
     ScotchYoke,
     SliderCrank,
     Turn,
@@ -81,6 +81,7 @@ PATHS: dict[str, Callable[..., Any]] = {
     "slider_crank": SliderCrank,
     "inverted_slider_crank": InvertedSliderCrank,
     "cam": Cam,
+    "reel": Reel,
 }
 PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}

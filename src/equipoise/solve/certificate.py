@@ -13,12 +13,11 @@ from equipoise.solve.program import Program, Term
 
 @dataclass(frozen=True, eq=False)
 class Multipliers:
-    """Prices at the optimum: per limit the sum over its rows, per unknown's bound, per term and block."""
+    """Prices at the optimum: per limit the sum over its rows, per unknown's bound."""
 
     limits: dict[str, float] = field(default_factory=dict)
     lower: Array = field(default_factory=lambda: np.zeros(0))
     upper: Array = field(default_factory=lambda: np.zeros(0))
-    share: dict[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -60,8 +59,7 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
     theta = answer.theta
     primal = program.objective(theta)
     if not theta.size:
-        share = {term.name: _shares(term, working, answer, i) for i, term in enumerate(program.terms)}
-        return Gap(primal, primal, program.violation(theta)), Multipliers(share=share)
+        return Gap(primal, primal, program.violation(theta)), Multipliers()
     columns = _Columns()
     for i, term in enumerate(program.terms):
         _term_columns(columns, term, working, answer, i)
@@ -99,8 +97,7 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
     prices: dict[str, float] = {}
     for k, rows in zip(rows_at, program.rows, strict=True):
         prices[rows.limit] = prices.get(rows.limit, 0.0) + float(np.abs(parts[k]).sum() / excess)
-    share = {t.name: _shares(t, working, answer, i) for i, t in enumerate(program.terms)}
-    multipliers = Multipliers(prices, parts[lower] / excess, parts[upper] / excess, share)
+    multipliers = Multipliers(prices, parts[lower] / excess, parts[upper] / excess)
     # Zero residual bounds every norm from below.
     return Gap(primal, max(dual, 0.0), program.violation(theta)), multipliers
 
@@ -132,7 +129,7 @@ def _through_rms(program: Program, answer: Answer, i: int, residual: Array) -> t
 
     Returns what is left of the residual, the change of the dual value and the new dual norm.
     """
-    term, factor = program.terms[i], program.terms[i].triangle
+    factor = program.terms[i].triangle
     slope, known = factor[:, :-1] * program.scale, factor[:, -1]
     step = slope @ np.linalg.lstsq(slope.T @ slope, -residual * program.scale, rcond=1e-14)[0]
     direction = factor @ np.append(answer.theta, 1.0)
@@ -150,16 +147,3 @@ def _dual_norm(term: Term, working: Working, y: Array, i: int) -> float:
         return float(magnitude.sum())
     weight = np.maximum(term.weight[working.terms[i] // len(term.sizes)], 1e-300)
     return float((magnitude / weight).max(initial=0.0))
-
-
-def _shares(term: Term, working: Working, answer: Answer, i: int) -> Array:
-    """Which blocks hold the norm up: share (B,) of each in its multipliers."""
-    count = len(term.sizes)
-    if term.norm == "peak":
-        sample = spread(term.sizes, working.terms[i])[0]
-        magnitude = np.sqrt(np.bincount(sample, weights=answer.y[i] ** 2, minlength=len(working.terms[i])))
-        held = np.bincount(working.terms[i] % count, weights=magnitude, minlength=count)
-    else:
-        squares = term.magnitudes(term.residual(answer.theta)) ** (2 if term.norm == "rms" else 1)
-        held = term.weight @ squares
-    return held / max(held.sum(), 1e-300)

@@ -23,6 +23,7 @@ from equipoise.sweep import Sweep
 from equipoise.verbs.analyze import tables, worst
 
 EXACT = 1e-9
+FLOOR = 1e-6
 ROUNDS = 12
 BETWEEN = 1e-7
 CUTS = 60
@@ -321,7 +322,7 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
 
 
 def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...]:
-    """Joints that hold the peak up although nothing that may change, by `sizes` (P,), reaches them."""
+    """Joints whose torque is the peak, although nothing that may change, by `sizes` (P,), reaches them."""
     term = next(term for term in program.terms if term.cap is None)
     mine = next(term for term in balanced.program.terms if term.cap is None)
     aim = next(aim for aim in balanced.task.objective if aim.cap is None)
@@ -330,12 +331,11 @@ def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...
         return ()
     rows = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
     reach = np.maximum.reduceat(rows, np.cumsum((0, *term.sizes[:-1])))
-    share = balanced.solution.prices.share[mine.name]
-    if not balanced.program.unknowns:
-        share = mine.magnitudes(mine.b).max(axis=0) >= balanced.solution.objective * (1 - 1e-9)
     joints = aim.counted(balanced.task.mechanism)
+    largest = mine.magnitudes(mine.residual(balanced.solution.theta)).max(axis=0)
+    held = largest >= balanced.solution.objective * (1 - FLOOR)
     return tuple(
-        joint for joint, part, moved in zip(joints, share, reach, strict=True) if part > 0.05 and moved <= EXACT * load
+        joint for joint, high, moved in zip(joints, held, reach, strict=True) if high and moved <= EXACT * load
     )
 
 

@@ -42,10 +42,6 @@ class Line(Path):
         rate = np.einsum("...i,...ij->...j", gap, jacobian_a - jacobian_b)
         return length, rate / np.where(length == 0, 1.0, length)[..., None]
 
-    def span(self, mechanism: Mechanism) -> tuple[Point, Point]:  # noqa: ARG002
-        """The points that the path runs between."""
-        return self.a, self.b
-
     def ends(self) -> tuple[tuple[Point, float], ...]:
         """Points that carry the spring's own mass, with their shares."""
         return ((self.a, 0.5), (self.b, 0.5))
