@@ -64,6 +64,7 @@ _HOME = {
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
+    "human_leg": "models.human_leg",
     "slider_crank": "models.slider_crank",
     "cable_platform": "models.cable_platform",
     "caspr": "models.caspr",
@@ -150,6 +151,7 @@ if TYPE_CHECKING:
     from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
+    from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank

@@ -45,6 +45,7 @@ from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
+from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
@@ -55,6 +56,7 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "chain": chain,
     "parallelogram_arm": parallelogram_arm,
     "parallelogram_robot": parallelogram_robot,
+    "human_leg": human_leg,
     "four_bar": four_bar,
     "slider_crank": slider_crank,
     "cable_platform": cable_platform,
