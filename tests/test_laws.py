@@ -61,6 +61,7 @@ LAWS = {
     "hydro_pneumatic": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=eq.Nitrogen(0.5, at=15e6)),
     "hydro_pneumatic_gauge": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=1.3, action="pull", reading="gauge"),
     "hydro_pneumatic_given": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, precharge=1e7),
+    "bspline": eq.BSpline((0.05, 1.6), pieces=4),
     "polynomial": eq.Polynomial((0.05, 1.6), degree=5),
     "polynomial_given": eq.Polynomial((0.05, 1.6), degree=2, coefficients=(30.0, 8.0, -2.0)),
 }
@@ -269,6 +270,10 @@ LIMITS = {
     "length": lambda: eq.Length("b", max=0.9, min=0.1),
     "stroke": lambda: eq.Stroke("b", max=0.3),
     "stiffness": lambda: eq.Stiffness("b", max=2000.0, min=5.0),
+    "force_over": lambda: eq.Force("b", max=300.0, min=10.0, over=(0.1, 0.9)),
+    "slope": lambda: eq.Slope("b", (0.1, 0.9), min=5.0),
+    "curvature": lambda: eq.Curvature("b", (0.1, 0.9), max=50.0),
+    "convex": lambda: eq.Convex("b", (0.1, 0.9), radius=0.2),
     "exact_at": lambda: eq.ExactAt(({"boom_joint": 0.3},), joints=("boom_joint",)),
 }
 

@@ -131,17 +131,22 @@ class Spring:
         `hold`: (B theta + f0) dl/dq plus the weight of its own mass, per driven joint;
         `energy`: E theta + e0 plus the potential of its own mass, J; `storage`: the elastic part alone, J.
         """
-        length, rate = self.path.deform(states)
         if goal == "hold":
-            basis, known = self.law.force_basis(length)
-            b = known[..., None] * rate + self._weight(states, goal)
+            rate, basis, b = self.factors(states)
             return Affine(states.mechanism.driven_blocks, b, self.unknowns, basis[..., None, :] * rate[..., :, None])
+        length, _ = self.path.deform(states)
         if goal in ("energy", "storage"):
             basis, known = self.law.energy_basis(length)
             own = self._weight(states, goal) if goal == "energy" else 0.0
             name = Block("energy", "J") if goal == "energy" else STORAGE
             return Affine((name,), (known + own)[..., None], self.unknowns, basis[..., None, :])
         raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy", "storage"]))
+
+    def factors(self, states: States) -> tuple[Array, Array, Array]:
+        """dl/dq (..., N, nd), B (..., N, P) and the constant (..., N, nd) of its effort dl/dq (B theta) + constant."""
+        length, rate = self.path.deform(states)
+        basis, known = self.law.force_basis(length)
+        return rate, basis, known[..., None] * rate + self._weight(states, "hold")
 
     def _weight(self, states: States, goal: str) -> Any:
         answer = states.weight_effort if goal == "hold" else states.weight_energy
