@@ -39,6 +39,11 @@ _HOME = {
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
+    "Gas": "balancers.laws",
+    "HydroPneumatic": "balancers.laws",
+    "Nitrogen": "balancers.laws",
+    "Torsion": "balancers.laws",
+    "Polynomial": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
     "Force": "limits",
@@ -96,7 +101,18 @@ def __dir__() -> list[str]:
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
-    from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
+    from equipoise.balancers.laws import (
+        Coil,
+        Constant,
+        Gas,
+        HydroPneumatic,
+        Linear,
+        Nitrogen,
+        Polynomial,
+        Torsion,
+        WireMass,
+        ZeroFreeLength,
+    )
     from equipoise.balancers.paths import (
         Absolute,
         Angle,
