@@ -117,7 +117,10 @@ PLANAR = {
     "yoke_of_absolute": lambda m: eq.ScotchYoke(eq.Absolute(bodies(m)[1]), 0.2, phase=0.1),
     "cable_pulley": lambda m: eq.Cable(
         (eq.Point("world", (-0.5, 0.0, 0.2)), eq.Pulley("world", (-0.2, 0.0, 1.1), 0.05, side="right"),
-         eq.Pulley(bodies(m)[0], (0.3, 0.0, 0.3), 0.04, side="right", mass=0.2), eq.Point(bodies(m)[1], (0.3, 0, 0.0))),
+         eq.Pulley("world", (-0.1, 0.0, 1.1)), eq.Point(bodies(m)[0], (0.05, 0.0, 0.3)),
+         eq.Pulley(bodies(m)[0], (0.3, 0.0, 0.3), 0.04, side="right", nominal=0.0, mass=0.2),
+         eq.Point(bodies(m)[1], (0.3, 0, 0.0))),
+        ratio=0.5, offset=-0.1,
     ),
 }  # fmt: skip
 EVERY_PATH = PATHS | ANGLES | PLANAR
