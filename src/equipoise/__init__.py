@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 _HOME = {
     "Mechanism": "mechanism",
     "Point": "mechanism",
+    "Platform": "mechanism",
     "Sweep": "sweep",
     "Payload": "sweep",
     "States": "states",
@@ -31,6 +32,7 @@ _HOME = {
     "SliderCrank": "balancers.paths",
     "InvertedSliderCrank": "balancers.paths",
     "Cam": "balancers.paths",
+    "Reel": "balancers.paths",
     "Profile": "balancers.paths",
     "Mount": "balancers.paths",
     "Linear": "balancers.laws",
@@ -38,12 +40,20 @@ _HOME = {
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
     "Gas": "balancers.laws",
+    "HydroPneumatic": "balancers.laws",
+    "Nitrogen": "balancers.laws",
     "Torsion": "balancers.laws",
     "Polynomial": "balancers.laws",
+    "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "payload_rule": "balancers.payload",
+    "Adjustment": "balancers.payload",
     "Force": "limits",
     "Slack": "limits",
+    "Slope": "limits",
+    "Curvature": "limits",
+    "Convex": "limits",
     "Length": "limits",
     "Stroke": "limits",
     "Stiffness": "limits",
@@ -56,7 +66,10 @@ _HOME = {
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
+    "human_leg": "models.human_leg",
     "slider_crank": "models.slider_crank",
+    "cable_platform": "models.cable_platform",
+    "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "balance": "verbs.balance",
     "shape": "verbs.shape",
@@ -98,7 +111,9 @@ if TYPE_CHECKING:
         Coil,
         Constant,
         Gas,
+        HydroPneumatic,
         Linear,
+        Nitrogen,
         Polynomial,
         Torsion,
         WireMass,
@@ -116,9 +131,11 @@ if TYPE_CHECKING:
         Mount,
         Profile,
         Pulley,
+        Reel,
         ScotchYoke,
         SliderCrank,
     )
+    from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design
@@ -131,10 +148,13 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
-    from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
-    from equipoise.mechanism import Mechanism, Point
+    from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
+    from equipoise.mechanism import Mechanism, Platform, Point
+    from equipoise.models.cable_platform import cable_platform
+    from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
+    from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from equipoise import chunks
 from equipoise.affine import Affine, Array, Block, merge_unknowns
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.spring import STORAGE, Spring
@@ -14,6 +15,7 @@ from equipoise.errors import InputError
 from equipoise.limits import Limit, Setting, implied
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
+from equipoise.platform import resultant
 from equipoise.solve.program import Program
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -42,23 +44,15 @@ def check(mechanism: Mechanism, balancers: Sequence[Balancer]) -> None:
         seen[balancer.name] = balancer
 
 
-def within(balancers: Sequence[Balancer], states: States) -> None:
-    """Raise InputError where a spring's law means nothing at a length of the states."""
-    for balancer in balancers:
-        if isinstance(balancer, Spring):
-            balancer.check_span(states)
-
-
 def _kind(balancer: Balancer) -> type:
     return type(balancer.law) if isinstance(balancer, Spring) else type(balancer)
 
 
 def effort(mechanism: Mechanism, balancers: Sequence[Balancer], states: States, goal: str = "hold") -> Affine:
-    """The whole residual of a goal: the mechanism's share plus every balancer's."""
-    total = mechanism.effort(states, goal)
-    for balancer in balancers:
-        total = total + balancer.effort(states, goal)
-    return total
+    """The whole residual of a goal: the mechanism's share plus every balancer's; `wrench` follows from `hold`."""
+    if goal == "wrench":
+        return resultant(states, effort(mechanism, balancers, states))
+    return Affine.total([mechanism.effort(states, goal), *(balancer.effort(states, goal) for balancer in balancers)])
 
 
 def storage(balancers: Sequence[Balancer], states: States) -> Affine:
@@ -81,8 +75,15 @@ def build(
     objective: Sequence[Aim],
     limits: Sequence[Limit] = (),
 ) -> Program:
-    """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry."""
-    hold = effort(mechanism, balancers, states)
+    """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry.
+
+    Raises InputError where a length of the states leaves the span of a spring's law; candidates get limits instead.
+    An rms over very many states is summed in chunks.
+    """
+    for balancer in balancers:
+        if isinstance(balancer, Spring):
+            balancer.check_span(states)
+    unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
 
     def hold_at(poses: Array) -> Affine:
         return effort(mechanism, balancers, mechanism.states(sweep.at_poses(poses)))
@@ -90,8 +91,16 @@ def build(
     setting = Setting({balancer.name: balancer for balancer in balancers}, states, hold_at)
     rows = [row for limit in limits for row in limit.rows(setting)]
     rows += implied(balancers, setting)
-    terms = tuple(aim.term(mechanism, hold, states.weight) for aim in objective)
-    return Program(hold.unknowns, terms, tuple(row.expand(hold.unknowns) for row in rows))
+    efforts: dict[str, Affine] = {}
+    terms = []
+    for aim in objective:
+        if aim.norm == "rms" and chunks.is_big(balancers, states, len(unknowns)):
+            terms.append(chunks.rms_term(mechanism, balancers, states, aim))
+        else:
+            if aim.goal not in efforts:
+                efforts[aim.goal] = effort(mechanism, balancers, states, aim.goal).expand(unknowns)
+            terms.append(aim.term(mechanism, efforts[aim.goal], states.weight))
+    return Program(unknowns, tuple(terms), tuple(row.expand(unknowns) for row in rows))
 
 
 def thrift(program: Program, balancers: Sequence[Balancer], states: States, value: float) -> Program:

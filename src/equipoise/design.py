@@ -16,7 +16,6 @@ from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.units import along_path
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Verification
@@ -59,7 +58,8 @@ class Certificate:
     """How good the answer is, recomputed from the problem's data.
 
     kind `exact` (residual at rounding level, also off the grid), `convex` (primal, dual and gap) or `local`
-    (starts, how many different optima, the spread of their values, what one more step would gain).
+    (starts, how many different optima, the spread of their values, what one more step would gain). quadrature is
+    how much the objective changes, relatively, on a finer rule over the same region.
     """
 
     kind: str
@@ -74,6 +74,7 @@ class Certificate:
     active: tuple[Active, ...] = ()
     floors: tuple[str, ...] = ()
     flat: tuple[str, ...] = ()
+    quadrature: float | None = None
 
     @property
     def gap(self) -> float:
@@ -113,11 +114,11 @@ class Design:
         """The norm that was made small."""
         return next(aim.norm for aim in self.objective if aim.cap is None)
 
-    def residual(self, states: States) -> np.ndarray:
-        """Holding effort (N, nd) with the balancers, at any states."""
+    def residual(self, states: States, goal: str = "hold") -> np.ndarray:
+        """A goal's residual (N, R) with the balancers, at any states; of `hold` (N, nd)."""
         from equipoise.assemble import effort
 
-        total = effort(self.mechanism, self.balancers, states)
+        total = effort(self.mechanism, self.balancers, states, goal)
         return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
 
     def parts(self) -> list[dict[str, Any]]:
@@ -167,6 +168,7 @@ class Design:
                 "active": [vars(active) for active in certificate.active],
                 "floors": certificate.floors,
                 "flat": certificate.flat,
+                "quadrature": certificate.quadrature,
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
@@ -196,14 +198,16 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     storage = spring.effort(design.states, "storage")
     energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
     stored = spring.stored(design.values, design.states)
+    parameters = spring.parameters(design.values)
+    units = spring.law.parameter_units(spring.path.unit)
     return {
         "name": spring.name,
         "kind": "spring",
         "law": type(spring.law).__name__,
         "path": type(spring.path).__name__,
-        "parameters": (parameters := spring.parameters(design.values)),
-        "units": {"length": spring.path.unit, "force": along_path("N or N m", spring.path.unit)}
-        | {name: unit for name, unit in spring.law.parameter_units(spring.path.unit).items() if name in parameters},
+        "unit": spring.path.unit,
+        "parameters": parameters,
+        "units": {name: units[name] for name in parameters},
         "stored": {"exact": stored.exact, "error": stored.error},
         "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],

@@ -7,11 +7,14 @@ from typing import Any
 
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.laws import (
+    BSpline,
     Coil,
     Constant,
     Gas,
+    HydroPneumatic,
     Law,
     Linear,
+    Nitrogen,
     Polynomial,
     Torsion,
     WireMass,
@@ -29,16 +32,20 @@ from equipoise.balancers.paths import (
     Path,
     Profile,
     Pulley,
+    Reel,
     ScotchYoke,
     SliderCrank,
     Turn,
 )
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
-from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
 from equipoise.mechanism import Mechanism, Point
+from equipoise.models.cable_platform import cable_platform
+from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
+from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
@@ -49,14 +56,20 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "chain": chain,
     "parallelogram_arm": parallelogram_arm,
     "parallelogram_robot": parallelogram_robot,
+    "human_leg": human_leg,
     "four_bar": four_bar,
     "slider_crank": slider_crank,
+    "cable_platform": cable_platform,
+    "caspr": caspr,
 }
 MECHANISMS: dict[str, Callable[..., Any]] = {"model": Mechanism.load, **BUILDERS}
 SWEEPS: dict[str, Callable[..., Any]] = {
     "sobol": Sweep.sobol,
     "grid": Sweep.grid,
     "quadrature": Sweep.quadrature,
+    "triangle": Sweep.triangle,
+    "polygon": Sweep.polygon,
+    "box": Sweep.region,
     "poses": Sweep.of_poses,
 }
 BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
@@ -70,6 +83,7 @@ PATHS: dict[str, Callable[..., Any]] = {
     "slider_crank": SliderCrank,
     "inverted_slider_crank": InvertedSliderCrank,
     "cam": Cam,
+    "reel": Reel,
 }
 PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
@@ -79,9 +93,12 @@ LAWS: dict[str, Callable[..., Any]] = {
     "coil": Coil,
     "constant": Constant,
     "gas": Gas,
+    "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
+    "bspline": BSpline,
 }
+EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
@@ -91,6 +108,9 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "slope": Slope,
+    "curvature": Curvature,
+    "convex": Convex,
 }
 
 
@@ -113,6 +133,7 @@ TURN = Family("angle", _members(TURNS))
 PROFILE = Family("profile", _members(PROFILES))
 PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
+EXPONENT = Family("exponent", _members(EXPONENTS))
 
 
 def family_of(hint: Any) -> Family | Form | None:
@@ -126,6 +147,7 @@ def family_of(hint: Any) -> Family | Form | None:
         (PROFILE, PROFILES),
         (PULLEY, PULLEYS),
         (MASS, MASSES),
+        (EXPONENT, EXPONENTS),
     ):
         if isinstance(hint, type) and hint in table.values():
             return family

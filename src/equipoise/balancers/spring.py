@@ -66,9 +66,16 @@ class Spring:
     @property
     def masses(self) -> tuple[tuple[Place, Any], ...]:
         """Places and masses, kg, of the spring's own mass, lumped, and of its path's parts."""
-        own = self.own_mass
-        shares = ((place, share * np.asarray(own)) for place, share in self.carriers) if np.any(own) else ()
-        return (*shares, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+        return (*self._lumped, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+
+    @property
+    def _lumped(self) -> tuple[tuple[Place, Any], ...]:
+        own = np.asarray(self.own_mass)
+        ends = [place for place, _ in self.path.ends()]
+        if not np.any(own) or not ends:
+            return ()
+        shares = (1 - self.mass_at, self.mass_at) if len(ends) > 1 else (1.0,)
+        return tuple((place, share * own) for place, share in zip(ends, shares, strict=True))
 
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError where the spring cannot act on the mechanism."""
@@ -103,10 +110,12 @@ class Spring:
                     raise InputError(f"law.{name} is in {item.unit}, on this path it must be in {wanted}", where=where)
 
     def check_span(self, states: States) -> None:
-        """Raise InputError where a length of the sweep leaves the span in which the law holds."""
-        if self.law.defined_beyond or self.law.span == (None, None):
+        """Raise InputError where a length of the states leaves the span in which the law holds; candidates may."""
+        if self.law.defined_beyond or all(end is None for end in self.law.span):
             return
-        length = np.real(self.path.deform(states)[0])
+        length = self.path.deform(states)[0]
+        if length.ndim > 1 or np.iscomplexobj(length) or any(np.ndim(end) for end in self.law.span):
+            return
         for bound, reached, side in zip(self.law.span, (length.min(), length.max()), (1, -1), strict=True):
             if bound is not None and side * (reached - float(bound)) < -1e-12 * abs(float(bound)):
                 raise InputError(
@@ -122,11 +131,10 @@ class Spring:
         `hold`: (B theta + f0) dl/dq plus the weight of its own mass, per driven joint;
         `energy`: E theta + e0 plus the potential of its own mass, J; `storage`: the elastic part alone, J.
         """
-        length, rate = self.path.deform(states)
         if goal == "hold":
-            basis, known = self.law.force_basis(length)
-            b = known[..., None] * rate + self._weight(states, goal)
+            rate, basis, b = self.factors(states)
             return Affine(states.mechanism.driven_blocks, b, self.unknowns, basis[..., None, :] * rate[..., :, None])
+        length, _ = self.path.deform(states)
         if goal in ("energy", "storage"):
             basis, known = self.law.energy_basis(length)
             own = self._weight(states, goal) if goal == "energy" else 0.0
@@ -134,17 +142,15 @@ class Spring:
             return Affine((name,), (known + own)[..., None], self.unknowns, basis[..., None, :])
         raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy", "storage"]))
 
+    def factors(self, states: States) -> tuple[Array, Array, Array]:
+        """dl/dq (..., N, nd), B (..., N, P) and the constant (..., N, nd) of its effort dl/dq (B theta) + constant."""
+        length, rate = self.path.deform(states)
+        basis, known = self.law.force_basis(length)
+        return rate, basis, known[..., None] * rate + self._weight(states, "hold")
+
     def _weight(self, states: States, goal: str) -> Any:
         answer = states.weight_effort if goal == "hold" else states.weight_energy
         return sum((answer(place, mass) for place, mass in self.masses), 0.0)
-
-    @property
-    def carriers(self) -> tuple[tuple[Place, Any], ...]:
-        """Places that carry the spring's own mass, with their shares."""
-        ends = self.path.ends()
-        if len(ends) != 2:
-            return ends
-        return (ends[0][0], 1 - self.mass_at), (ends[1][0], self.mass_at)
 
     def force(self, states: States, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Length (N,), m, and force (N,), N, for given values of the unknowns {name: value}."""
@@ -190,9 +196,9 @@ class Spring:
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = bias
-        for side, (place, share) in zip("ab", self.carriers if self.own_mass else (), strict=False):
+        for side, (place, mass) in zip("ab", self._lumped, strict=False):
             point = place if isinstance(place, Point) else place.seat(states.mechanism.model, self.name)
-            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(share * self.own_mass))
+            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(mass))
 
 
 def actuator_name(spring: str) -> str:

@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.assemble import Balancer, thrift
+from equipoise.assemble import Balancer, effort, thrift
 from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
 from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.solve.exchange import solve
 from equipoise.solve.program import Norm, Program
 from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, distinct, linearise, screen, spread_out
 from equipoise.states import States
@@ -24,6 +25,7 @@ from equipoise.verbs.balance import Balanced, Task, certify, finish, floors, set
 
 COARSE = 400
 PER_START = 24
+REFINED = 4
 
 Progress = Callable[[int, int, float], None]
 
@@ -81,8 +83,13 @@ def shape(
         settle(search.at(optima.best.gamma))
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
     search, best = _refine(search, optima.best, load)
-    best = _spare(search, best, load)
-    balanced = settle(search.at(best.gamma))
+    for _ in range(REFINED):
+        best = _spare(search, best, load)
+        balanced = settle(search.at(best.gamma))
+        if not balanced.refined:
+            break
+        # What saves energy may raise the torque between the samples.
+        search, best = _refine(replace(search, task=balanced.task), best, load)
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
 
 
@@ -101,10 +108,12 @@ def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, floa
 
 def load_of(task: Task, states: States) -> float:
     """The objective of the bare mechanism, which makes tolerances and penalties relative."""
-    bare = task.mechanism.effort(states, "hold")
     load = sum(
         term.factor * term.value(np.zeros(0))
-        for term in (aim.term(task.mechanism, bare, states.weight) for aim in task.objective)
+        for term in (
+            aim.term(task.mechanism, effort(task.mechanism, (), states, aim.goal), states.weight)
+            for aim in task.objective
+        )
         if term.cap is None
     )
     if not load > 0:
@@ -189,7 +198,7 @@ def _present(search: _Search) -> Array | None:
 
 def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local]:
     """Add the poses between the samples that exceed the peak, and descend again, until none does."""
-    for _ in range(4):
+    for _ in range(REFINED):
         balanced = settle(search.at(best.gamma))
         if not balanced.refined:
             break
@@ -211,13 +220,15 @@ def _spare(search: _Search, best: Local, load: float) -> Local:
         return thrift(plain(gamma), candidates(search.task.balancers, names, gamma), states, value)
 
     start = lean(best.gamma[None]).take(0)
-    stored = start.terms[0].value(best.solution.theta)
+    present = solve(plain(best.gamma[None]).take(0))
+    stored = start.terms[0].value(present.theta)
     if not stored > 0:
         return best
     thrifty = descend(lean, search.freedoms, best.gamma, stored, radius=0.1, iterations=30, precision=1e-5)
-    if thrifty.excess > 1e-6 or thrifty.solution.objective > 0.99 * stored:
+    worth = thrifty.solution.objective <= 0.99 * stored or present.objective > value
+    if thrifty.excess > 1e-6 or not worth:
         return best
-    return replace(best, gamma=thrifty.gamma, solution=thrifty.solution)
+    return replace(best, gamma=thrifty.gamma)
 
 
 def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:

@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 
 from equipoise.assemble import Balancer
-from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
 from equipoise.design import Row
 from equipoise.errors import LoopError
@@ -110,7 +109,7 @@ def _bound(row: Row, found: Found, method: str, rigorous: bool) -> Bound:
 def _straight(balancers: Sequence[Balancer], values: Mapping[str, float]) -> bool:
     """Whether all springs lie on straight lines and have forces affine in their lengths."""
     springs = [balancer for balancer in balancers if isinstance(balancer, Spring)]
-    return all(isinstance(s.path, Line) and s.law.line(s.own(values)) is not None for s in springs)
+    return all(s.path.straight and s.law.line(s.own(values)) is not None for s in springs)
 
 
 def _open(mechanism: Mechanism) -> bool:

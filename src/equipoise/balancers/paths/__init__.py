@@ -12,6 +12,7 @@ from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Path, Place, Sketch
 from equipoise.balancers.paths.profile import Profile
 from equipoise.balancers.paths.pulley import Pulley
+from equipoise.balancers.paths.reel import Reel
 from equipoise.balancers.paths.scotch_yoke import ScotchYoke
 from equipoise.balancers.paths.slider_crank import SliderCrank
 from equipoise.balancers.paths.turn import Turn
@@ -31,6 +32,7 @@ __all__ = [
     "Place",
     "Profile",
     "Pulley",
+    "Reel",
     "ScotchYoke",
     "Sketch",
     "SliderCrank",
