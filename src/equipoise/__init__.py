@@ -39,6 +39,12 @@ _HOME = {
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
+    "Gas": "balancers.laws",
+    "HydroPneumatic": "balancers.laws",
+    "Nitrogen": "balancers.laws",
+    "Torsion": "balancers.laws",
+    "Polynomial": "balancers.laws",
+    "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
     "PointMass": "balancers.shapes",
@@ -51,10 +57,15 @@ _HOME = {
     "Motion": "motion.motion",
     "Expression": "motion.drivers",
     "Cycloidal": "motion.drivers",
-    "Polynomial": "motion.drivers",
-    "Spline": "motion.drivers",
+    "TimePolynomial": "motion.drivers",
+    "TimeSpline": "motion.drivers",
+    "payload_rule": "balancers.payload",
+    "Adjustment": "balancers.payload",
     "Force": "limits",
     "Slack": "limits",
+    "Slope": "limits",
+    "Curvature": "limits",
+    "Convex": "limits",
     "Length": "limits",
     "Stroke": "limits",
     "Stiffness": "limits",
@@ -67,6 +78,7 @@ _HOME = {
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
+    "human_leg": "models.human_leg",
     "slider_crank": "models.slider_crank",
     "cable_platform": "models.cable_platform",
     "caspr": "models.caspr",
@@ -109,7 +121,18 @@ if TYPE_CHECKING:
     from equipoise.balancers.counter_rotor import CounterRotor
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
-    from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
+    from equipoise.balancers.laws import (
+        Coil,
+        Constant,
+        Gas,
+        HydroPneumatic,
+        Linear,
+        Nitrogen,
+        Polynomial,
+        Torsion,
+        WireMass,
+        ZeroFreeLength,
+    )
     from equipoise.balancers.paths import (
         Absolute,
         Angle,
@@ -127,6 +150,7 @@ if TYPE_CHECKING:
         SliderCrank,
     )
     from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
+    from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design
@@ -139,16 +163,17 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
-    from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+    from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
+    from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank
-    from equipoise.motion.drivers import Cycloidal, Expression, Polynomial, Spline
+    from equipoise.motion.drivers import Cycloidal, Expression, TimePolynomial, TimeSpline
     from equipoise.motion.motion import Motion
     from equipoise.objective import Aim
     from equipoise.problem import Problem, load_problem

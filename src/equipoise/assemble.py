@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from equipoise import chunks
 from equipoise.affine import Affine, Array, Block, merge_unknowns
 from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.balancers.counterweight import Counterweight
@@ -16,11 +17,14 @@ from equipoise.balancers.spring import STORAGE, Spring
 from equipoise.errors import InputError
 from equipoise.limits import Limit, MassCap, Setting, implied, realisable
 from equipoise.mechanism import Mechanism
-from equipoise.objective import ORIGIN, Aim, joint_goal, pole_of
+from equipoise.objective import ORIGIN, Aim, goal_blocks, joint_goal, pole_of
 from equipoise.platform import resultant
 from equipoise.solve.program import Program
 from equipoise.states import States, skew
 from equipoise.sweep import Sweep
+
+SUMMED = ("hold", "wrench")
+"""Goals whose rms and residual over very many states are summed in chunks."""
 
 Balancer = Spring | Counterweight | CounterRotor | Flywheel
 
@@ -64,9 +68,7 @@ def effort(
     """
     if goal == "wrench":
         return resultant(states, effort(mechanism, balancers, states))
-    total = mechanism.effort(states, goal)
-    for balancer in balancers:
-        total = total + balancer.effort(states, goal)
+    total = Affine.total([mechanism.effort(states, goal), *(balancer.effort(states, goal) for balancer in balancers)])
     if goal != "moment":
         return total
     if any(pole):
@@ -86,23 +88,31 @@ def settled(balancers: Sequence[Balancer], values: Mapping[str, float]) -> tuple
 
 
 def account(
-    mechanism: Mechanism, balancers: Sequence[Balancer], states: States, objective: Sequence[Aim]
-) -> tuple[Affine, ...]:
-    """What a design reports of its states: efforts of the driven joints, in motion force and moment."""
-    moving = states.rates is not None
-    parts = [effort(mechanism, balancers, states, joint_goal(objective, moving))]
-    if moving:
-        pole = pole_of(objective)
-        parts += [effort(mechanism, balancers, states, goal, pole) for goal in ("force", "moment")]
-    if any(aim.goal == "wrench" for aim in objective):
-        parts.append(effort(mechanism, balancers, states, "wrench"))
-    return tuple(parts)
+    mechanism: Mechanism,
+    balancers: Sequence[Balancer],
+    states: States,
+    objective: Sequence[Aim],
+    values: Mapping[str, float],
+) -> tuple[tuple[Block, ...], Array]:
+    """What a design reports of its states: blocks and residual (N, R) at values of the unknowns.
 
-
-def reported(parts: Sequence[Affine], values: Mapping[str, float]) -> tuple[tuple[Block, ...], Array]:
-    """Blocks and residual (N, R) of an account at values of the unknowns."""
-    rows = [part.at(np.array([values[u.name] for u in part.unknowns])) for part in parts]
-    return tuple(block for part in parts for block in part.blocks), np.concatenate(rows, axis=-1)
+    Efforts of the driven joints, in motion force and moment, and the resultant on a platform where it counts.
+    """
+    fixed, moving = settled(balancers, values), states.rates is not None
+    goals = [joint_goal(objective, moving), *(("force", "moment") if moving else ())]
+    goals += ["wrench"] if any(aim.goal == "wrench" for aim in objective) else []
+    unknowns = merge_unknowns([balancer.unknowns for balancer in fixed])
+    theta = np.array([values[unknown.name] for unknown in unknowns])
+    pole = pole_of(objective)
+    blocks: list[Block] = []
+    rows = []
+    for goal in goals:
+        blocks += goal_blocks(mechanism, goal)
+        if goal in SUMMED and chunks.is_big(fixed, states, len(theta)):
+            rows.append(chunks.residual(mechanism, fixed, states, goal, theta))
+        else:
+            rows.append(effort(mechanism, fixed, states, goal, pole).expand(unknowns).at(theta))
+    return tuple(blocks), np.concatenate(rows, axis=-1)
 
 
 def without_wheels(
@@ -139,7 +149,15 @@ def build(
     objective: Sequence[Aim],
     limits: Sequence[Limit] = (),
 ) -> Program:
-    """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry."""
+    """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry.
+
+    Raises InputError where a length of the states leaves the span of a spring's law; candidates get limits instead.
+    An rms over very many states is summed in chunks.
+    """
+    for balancer in balancers:
+        if isinstance(balancer, Spring):
+            balancer.check_span(states)
+    unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
 
     def hold_at(poses: Array) -> Affine:
         return effort(mechanism, balancers, mechanism.states(sweep.at_poses(poses)))
@@ -148,9 +166,12 @@ def build(
     setting = Setting({balancer.name: balancer for balancer in balancers}, states, hold_at)
     rows = [row for limit in limits for row in limit.rows(setting)]
     rows += implied(balancers, setting)
-    unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
     terms = []
     for aim in objective:
+        summed = aim.norm == "rms" and aim.goal in SUMMED and aim.divisor != "before"
+        if summed and chunks.is_big(balancers, states, len(unknowns)):
+            terms.append(chunks.rms_term(mechanism, balancers, states, aim))
+            continue
         whole = effort(mechanism, balancers, states, aim.goal, aim.pole).expand(unknowns)
         bare = effort(mechanism, (), states, aim.goal, aim.pole) if aim.divisor == "before" else None
         terms.append(aim.term(mechanism, whole, states.weight, bare))

@@ -62,7 +62,8 @@ class Certificate:
     """How good the answer is, recomputed from the problem's data.
 
     kind `exact` (residual at rounding level, also off the grid), `convex` (primal, dual and gap) or `local`
-    (starts, how many different optima, the spread of their values, what one more step would gain).
+    (starts, how many different optima, the spread of their values, what one more step would gain). quadrature is
+    how much the objective changes, relatively, on a finer rule over the same region.
     """
 
     kind: str
@@ -77,6 +78,7 @@ class Certificate:
     active: tuple[Active, ...] = ()
     floors: tuple[str, ...] = ()
     flat: tuple[str, ...] = ()
+    quadrature: float | None = None
 
     @property
     def gap(self) -> float:
@@ -125,10 +127,10 @@ class Design:
 
     def account(self, states: States, *, bare: bool = False) -> dict[str, np.ndarray]:
         """Rows (N, size) by name at any states, with the balancers or bare: joints and, in motion, force and moment."""
-        from equipoise.assemble import account, reported, settled
+        from equipoise.assemble import account
 
-        balancers = () if bare else settled(self.balancers, self.values)
-        blocks, values = reported(account(self.mechanism, balancers, states, self.objective), self.values)
+        balancers = () if bare else self.balancers
+        blocks, values = account(self.mechanism, balancers, states, self.objective, self.values)
         cuts = np.cumsum([block.size for block in blocks])[:-1]
         return {block.name: part for block, part in zip(blocks, np.split(values, cuts, axis=1), strict=True)}
 
@@ -210,6 +212,7 @@ class Design:
                 "active": [vars(active) for active in certificate.active],
                 "floors": certificate.floors,
                 "flat": certificate.flat,
+                "quadrature": certificate.quadrature,
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
@@ -236,15 +239,20 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     model = design.mechanism.model
     places = [place for place, _ in spring.path.ends()]
     ends = [place if isinstance(place, Point) else place.seat(model, spring.name) for place in places]
-    stored = spring.effort(design.states, "storage")
-    energy = stored.at(np.array([design.values[unknown.name] for unknown in stored.unknowns]))[:, 0]
+    storage = spring.effort(design.states, "storage")
+    energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
+    stored = spring.stored(design.values, design.states)
+    parameters = spring.parameters(design.values)
+    units = spring.law.parameter_units(spring.path.unit)
     return {
         "name": spring.name,
         "kind": "spring",
         "law": type(spring.law).__name__,
         "path": type(spring.path).__name__,
         "unit": spring.path.unit,
-        "parameters": spring.parameters(design.values),
+        "parameters": parameters,
+        "units": {name: units[name] for name in parameters},
+        "stored": {"exact": stored.exact, "error": stored.error},
         "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],
         "stroke": float(length.max() - length.min()),

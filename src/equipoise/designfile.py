@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from equipoise.affine import merge_unknowns
-from equipoise.assemble import Balancer, account, reported, settled
+from equipoise.assemble import Balancer, account
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import ProblemError
 from equipoise.parameters import unit_of, write
@@ -56,7 +56,7 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
     ordered = {unknown.name: values[unknown.name] for unknown in unknowns}
 
     def told(parts: tuple[Balancer, ...]) -> Account:
-        return lambda other: reported(account(problem.mechanism, parts, other, problem.objective), ordered)
+        return lambda other: account(problem.mechanism, parts, other, problem.objective, ordered)
 
     mechanism, sweep = problem.mechanism, problem.sweep
     design = Design(
@@ -69,7 +69,7 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         values=ordered,
         units={u.name: u.unit for u in unknowns} | {g: unit_of(balancers, g) for g in geometry},
         before=table(mechanism, sweep, states, told(())),
-        after=table(mechanism, sweep, states, told(settled(balancers, ordered))),
+        after=table(mechanism, sweep, states, told(balancers)),
         certificate=_certificate(data.get("certificate"), name),
         geometry=geometry,
         bounds={parameter: problem.bounds[parameter] for parameter in geometry},

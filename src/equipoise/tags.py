@@ -8,7 +8,20 @@ from typing import Any
 from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel
-from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
+from equipoise.balancers.laws import (
+    BSpline,
+    Coil,
+    Constant,
+    Gas,
+    HydroPneumatic,
+    Law,
+    Linear,
+    Nitrogen,
+    Polynomial,
+    Torsion,
+    WireMass,
+    ZeroFreeLength,
+)
 from equipoise.balancers.paths import (
     Absolute,
     Angle,
@@ -29,16 +42,17 @@ from equipoise.balancers.paths import (
 from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
-from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
 from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
+from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
-from equipoise.motion.drivers import Cycloidal, Driver, Expression, Polynomial, Spline
+from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -46,6 +60,7 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "chain": chain,
     "parallelogram_arm": parallelogram_arm,
     "parallelogram_robot": parallelogram_robot,
+    "human_leg": human_leg,
     "four_bar": four_bar,
     "slider_crank": slider_crank,
     "cable_platform": cable_platform,
@@ -88,14 +103,20 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "gas": Gas,
+    "hydro_pneumatic": HydroPneumatic,
+    "torsion": Torsion,
+    "polynomial": Polynomial,
+    "bspline": BSpline,
 }
+EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
 SHAPES: dict[str, Callable[..., Any]] = {"point": PointMass, "disc": Disc, "plate": Plate, "solid": Solid}
 DRIVERS: dict[str, Callable[..., Any]] = {
     "expression": Expression,
     "cycloidal": Cycloidal,
-    "polynomial": Polynomial,
-    "spline": Spline,
+    "polynomial": TimePolynomial,
+    "spline": TimeSpline,
 }
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
@@ -105,6 +126,9 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "slope": Slope,
+    "curvature": Curvature,
+    "convex": Convex,
 }
 
 
@@ -129,6 +153,7 @@ PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
 SHAPE = Family("shape", _members(SHAPES))
 DRIVER = Family("driver", _members(DRIVERS))
+EXPONENT = Family("exponent", _members(EXPONENTS))
 
 
 def family_of(hint: Any) -> Family | Form | None:
@@ -144,6 +169,7 @@ def family_of(hint: Any) -> Family | Form | None:
         (MASS, MASSES),
         (SHAPE, SHAPES),
         (DRIVER, {"any": Driver, **DRIVERS}),
+        (EXPONENT, EXPONENTS),
     ):
         if isinstance(hint, type) and hint in table.values():
             return family

@@ -10,7 +10,8 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
-from equipoise.balancers.spring import STORAGE, add_point_mass
+from equipoise.balancers.paths.bodies import add_point_mass
+from equipoise.balancers.spring import STORAGE
 from equipoise.errors import InputError, nearest
 from equipoise.loops import ancestors
 from equipoise.mechanism import ANSWERED, Mechanism, Point
@@ -137,7 +138,7 @@ class CounterRotor:
         """The rotor's mass, kg."""
         return self.mass + self._heft * self.found(values)
 
-    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
+    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float], states: States) -> None:  # noqa: ARG002
         """Add the rotor as a body on a hinge, geared by a tendon over the joints that turn the body."""
         inertia, mass = self.found(values), self.own_mass(values)
         model = spec.compile()

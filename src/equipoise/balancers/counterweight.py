@@ -10,8 +10,9 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
+from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.balancers.shapes import AXES, Disc, Plate, PointMass, Shape, Solid
-from equipoise.balancers.spring import STORAGE, add_point_mass
+from equipoise.balancers.spring import STORAGE
 from equipoise.errors import InputError, nearest
 from equipoise.loops import ancestors
 from equipoise.mechanism import ANSWERED, Mechanism, Point
@@ -210,7 +211,7 @@ class Counterweight:
         x, y, z = where.tolist()
         return replace(self, at=Point(self.at.body, (x, y, z)), mass=mass, reach=None)
 
-    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
+    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float], states: States) -> None:  # noqa: ARG002
         """Add the counterweight to a MuJoCo model as a body of its own."""
         mass, where = self.place(values)
         add_point_mass(spec, self.name, self.at.body, where, mass, self.inertia(values))

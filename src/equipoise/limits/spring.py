@@ -4,71 +4,94 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
 from equipoise import units
-from equipoise.affine import Array, Unknown
-from equipoise.balancers.counterweight import MOMENTS, Counterweight
+from equipoise.affine import Array
+from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.laws.law import FORCE, RATE
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
+from equipoise.limits import curve
 from equipoise.limits.limit import Setting
-from equipoise.solve.program import Definite, Rows
+from equipoise.limits.realisable import room
+from equipoise.limits.sides import path_unit, scale_of, sides
+from equipoise.solve.program import Rows
 
 
 @dataclass(frozen=True)
 class Force:
-    """min <= f <= max of a spring's force, N, at every state; f > 0 pulls."""
+    """min <= f <= max of a spring's force, N, or torque, N m, at every state, or over an interval of length.
+
+    f > 0 pulls. With over (low, high), m or rad, it holds for every length in between, see `limits.curve`; samples
+    asks for that many equally spaced lengths only, and nothing between them.
+    """
 
     spring: str
-    max: units.Force | None = None
-    min: units.Force | None = None
+    max: units.Pull | None = None
+    min: units.Pull | None = None
+    over: tuple[units.Extent, units.Extent] | None = None
+    samples: int | None = None
+    orders: ClassVar[tuple[int, ...]] = (0,)
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """B theta <= max - f0 and -B theta <= f0 - min, one row per state."""
         spring = setting.find(self.spring, Spring, "force")
+        if self.over is not None:
+            return curve.rows(self, spring)
+        if self.samples is not None:
+            raise InputError("samples are asked for over no interval", where="limit force", hint="add `over`")
         length, _ = spring.path.deform(setting.states)
         basis, known = spring.law.force_basis(length)
-        return _sides(f"force of {self.spring}", "N", basis, known, spring.unknowns, self.min, self.max)
+        return sides(
+            f"force of {self.spring}", path_unit(FORCE, spring), basis, known, spring.unknowns, self.min, self.max
+        )
 
 
 @dataclass(frozen=True)
 class Slack:
-    """A tension spring never pushes: f >= 0 at every state."""
+    """A tension spring never pushes: f >= 0 at every state. A strut has no slack: raises InputError."""
 
     spring: str
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """-B theta <= f0, one row per state."""
         spring = setting.find(self.spring, Spring, "slack")
+        if spring.law.pushes:
+            raise InputError(
+                f"{self.spring} is a strut that pushes, it cannot go slack",
+                where="limit slack",
+                hint=f"leave the limit out, or write {{force: {self.spring}, max: 0 N}} to keep it pushing",
+            )
         length, _ = spring.path.deform(setting.states)
         basis, known = spring.law.force_basis(length)
-        return _sides(f"slack of {self.spring}", "N", basis, known, spring.unknowns, 0.0, None)
+        return sides(f"slack of {self.spring}", path_unit(FORCE, spring), basis, known, spring.unknowns, 0.0, None)
 
 
 @dataclass(frozen=True)
 class Length:
-    """min <= l <= max of a spring's length, m, at every state; the geometry alone decides."""
+    """min <= l <= max of a spring's length, m, or angle, rad, at every state; the geometry alone decides."""
 
     spring: str
-    max: units.Length | None = None
-    min: units.Length | None = None
+    max: units.Extent | None = None
+    min: units.Extent | None = None
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """Rows without unknowns, one per state."""
         spring = setting.find(self.spring, Spring, "length")
         length, _ = spring.path.deform(setting.states)
         none = np.zeros((*length.shape, 0), dtype=length.dtype)
-        return _sides(f"length of {self.spring}", "m", none, length, (), self.min, self.max)
+        return sides(f"length of {self.spring}", spring.path.unit, none, length, (), self.min, self.max)
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """max l - min l <= max over the sweep, m."""
+    """max l - min l <= max over the sweep, m or rad."""
 
     spring: str
-    max: units.Length
+    max: units.Extent
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """Every length against the shortest, and the longest against every length."""
@@ -79,30 +102,32 @@ class Stroke:
         shortest = np.take_along_axis(length, np.real(length).argmin(-1)[..., None], axis=-1)
         excess = np.concatenate([length - shortest, longest - length], axis=-1)
         none = np.zeros((*excess.shape, 0), dtype=excess.dtype)
-        rows = _sides(f"stroke of {self.spring}", "m", none, excess, (), None, self.max)
+        rows = sides(f"stroke of {self.spring}", spring.path.unit, none, excess, (), None, self.max)
         count = length.shape[-1]
         return tuple(Rows(r.limit, r.unit, r.G, r.h, (), np.arange(2 * count) % count, scale=r.scale) for r in rows)
 
 
 @dataclass(frozen=True)
 class Stiffness:
-    """min <= k <= max of a spring's rate, N/m, found or given."""
+    """min <= df/dl <= max of a spring's rate, N/m or N m/rad, found or given; at every state where it varies."""
 
     spring: str
-    max: units.Stiffness | None = None
-    min: units.Stiffness | None = None
+    max: units.Rate | None = None
+    min: units.Rate | None = None
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
-        """One row per side."""
+        """One row per side for a straight force line, else one per side and state."""
         spring = setting.find(self.spring, Spring, "stiffness")
-        unknown = [u for u in spring.unknowns if u.name == f"{spring.owner}.k"]
-        given = getattr(spring.law, "k", None)
-        if not unknown and given is None:
+        if spring.law.degree == 0:
             raise InputError(f"spring {self.spring} has no stiffness", where="limit stiffness", hint="limit its force")
-        basis, known = (np.ones((1, 1)), np.zeros(1)) if unknown else (np.zeros((1, 0)), np.atleast_1d(given))
-        if known.ndim > 1:
-            basis = np.zeros((*known.shape, 0))
-        return _sides(f"stiffness of {self.spring}", "N/m", basis, known, tuple(unknown), self.min, self.max)
+        length, _ = spring.path.deform(setting.states)
+        straight = spring.law.degree == 1
+        basis, known = spring.law.slope_basis(length[..., :1] if straight else length)
+        if straight and not np.ndim(getattr(spring.law, "k", None)):
+            # The rate itself follows no geometry: one plain row.
+            basis, known = np.real(basis.reshape(-1, *basis.shape[-2:])[0]), np.real(known.reshape(-1, 1)[0])
+        unit = path_unit(RATE, spring)
+        return sides(f"stiffness of {self.spring}", unit, basis, known, spring.unknowns, self.min, self.max)
 
 
 @dataclass(frozen=True)
@@ -117,73 +142,45 @@ class MassCap:
         weight = setting.find(self.counterweight, Counterweight, "mass")
         mass = [u for u in weight.unknowns if u.name == f"{weight.owner}.m"]
         basis, known = (np.ones((1, 1)), np.zeros(1)) if mass else (np.zeros((1, 0)), np.array([weight.mass]))
-        return _sides(f"mass of {self.counterweight}", "kg", basis, known, tuple(mass), None, self.max)
+        return sides(f"mass of {self.counterweight}", "kg", basis, known, tuple(mass), None, self.max)
 
 
 def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tuple[Rows, ...]:
-    """Rows that balancers ask for by themselves: closed coils, free lengths above them, reach of counterweights."""
+    """Rows that balancers ask for by themselves: spans of laws, free lengths within them, reach of counterweights."""
     rows: list[Rows] = []
     for balancer in balancers:
         if isinstance(balancer, Spring):
-            rows += _closed(balancer, setting)
+            rows += _span(balancer, setting)
         elif isinstance(balancer, Counterweight) and balancer.reach is not None:
-            rows += _room(balancer) if balancer.second else _reach(balancer)
+            rows += room(balancer) if balancer.second else _reach(balancer)
     return tuple(rows)
 
 
-def realisable(balancers: Iterable[Any]) -> tuple[Definite, ...]:
-    """What mass parameters a body can have: [[S, m r], [m r', m]] semidefinite, in kg over the reach.
-
-    A Plate has S = J times the identity of its plane, which is m J >= |m r|^2.
-    """
-    found = []
-    for weight in balancers:
-        if not isinstance(weight, Counterweight) or not weight.second:
-            continue
-        axes = [*weight.directions, 3]
-        size = len(axes)
-        basis = [np.zeros((size, size)) for _ in weight.unknowns]
-        names = [unknown.name for unknown in weight.unknowns]
-        known = np.zeros((size, size))
-        heavy = known if weight.mass is not None else basis[0]
-        heavy[-1, -1] = 1.0 if weight.mass is None else weight.mass
-        for place, i in enumerate(weight.directions):
-            moment = basis[names.index(f"{weight.owner}.{MOMENTS[i]}")]
-            moment[place, -1] = moment[-1, place] = 1.0 / weight.reach
-        for name, spread in weight.second:
-            part = np.eye(size - 1) if name == "J" else spread[np.ix_(axes[:-1], axes[:-1])]
-            basis[names.index(f"{weight.owner}.{name}")][:-1, :-1] = part / weight.reach**2
-        found.append(Definite(f"mass parameters of {weight.name}", np.array(basis), known, weight.unknowns))
-    return tuple(found)
-
-
-def _room(weight: Counterweight) -> list[Rows]:
-    """Second moments of at most m reach^2: all mass lies within the reach."""
-    G = np.array([[float(np.trace(dict(weight.second).get(u.name.rpartition(".")[2], np.zeros((3, 3))))) for u in
-                   weight.unknowns]])  # fmt: skip
-    square = weight.reach**2
-    limit = f"reach of {weight.name} ({units.text(weight.reach, 'm')})"
-    if weight.mass is not None:
-        return [Rows(limit, "kg m^2", G, np.array([weight.mass * square]), weight.unknowns, scale=square)]
-    G[0, 0] = -square
-    return [Rows(limit, "kg m^2", G, np.zeros(1), weight.unknowns, scale=square)]
-
-
-def _closed(spring: Spring, setting: Setting) -> list[Rows]:
-    """The coils touch below the closed length; an unknown free length lies between closed and shortest length."""
-    closed = spring.law.closed
-    if closed is None and not any(u.name == f"{spring.owner}.k_free_length" for u in spring.unknowns):
+def _span(spring: Spring, setting: Setting) -> list[Rows]:
+    """The lengths stay within the law's span; an unknown free length lies between closed and shortest length."""
+    law = spring.law
+    free = any(u.name == f"{spring.owner}.k_free_length" for u in spring.unknowns)
+    if all(end is None for end in law.span) and not free:
         return []
     length, _ = spring.path.deform(setting.states)
-    state = np.arange(length.shape[-1])
     rows: list[Rows] = []
-    if closed is not None:
-        none = np.zeros((*length.shape, 0), dtype=length.dtype)
-        limit = f"closed length of {spring.name} ({units.text(float(np.real(np.ravel(closed)[0])), 'm')})"
-        rows.append(Rows(limit, "m", none, length - closed, (), state, scale=_scale(length)))
+    for end, side in zip(law.span, (1.0, -1.0), strict=True):
+        if end is not None:
+            room = side * (length - end)
+            none = np.zeros((*room.shape, 0), dtype=room.dtype)
+            value = units.text(float(np.real(np.ravel(end)[0])), spring.path.unit)
+            limit = f"{law.span_words} of {spring.name} ({value})"
+            rows.append(
+                Rows(limit, spring.path.unit, none, room, (), np.arange(room.shape[-1]), scale=scale_of(length))
+            )
+    return rows + _free_length(spring, length) if free else rows
+
+
+def _free_length(spring: Spring, length: Array) -> list[Rows]:
+    """closed <= L0, and L0 <= l where the coils touch at the free length, in terms of the product k L0."""
+    rows: list[Rows] = []
+    closed = spring.law.span[0]
     unknowns = {u.name.removeprefix(f"{spring.owner}."): u for u in spring.unknowns}
-    if "k_free_length" not in unknowns:
-        return rows
     rate, product = unknowns.get("k"), unknowns["k_free_length"]
     given = getattr(spring.law, "k", None)
     bounds = [(length, 1.0)] if spring.law.closes_free else []
@@ -195,7 +192,7 @@ def _closed(spring: Spring, setting: Setting) -> list[Rows]:
         else:
             G = np.stack(np.broadcast_arrays(-side * bound, side), axis=-1)
             h, over = np.zeros(bound.shape), (rate, product)
-        where = state if bound is length else np.array([-1])
+        where = np.arange(length.shape[-1]) if bound is length else np.array([-1])
         rows.append(Rows(f"free length of {spring.name}", "N", G, h, over, where))
     return rows
 
@@ -212,31 +209,6 @@ def _reach(weight: Counterweight) -> list[Rows]:
             Rows(limit, "kg m", G, np.full(6, weight.reach * weight.mass), moments, scale=weight.reach * weight.mass)
         ]
     return [Rows(limit, "kg m", np.hstack([np.full((6, 1), -weight.reach), G]), np.zeros(6), unknowns)]
-
-
-def _sides(
-    what: str, unit: str, basis: Array, known: Array, unknowns: tuple[Unknown, ...], low: Any, high: Any
-) -> tuple[Rows, ...]:
-    """Rows of low <= basis theta + known <= high, one per state."""
-    if low is None and high is None:
-        raise InputError(f"{what} has neither min nor max", where="limits", hint="give min, max or both")
-    if low is not None and high is not None and low > high:
-        raise InputError(f"{what}: min {low:g} is above max {high:g} {unit}", where="limits")
-    state = np.arange(known.shape[-1])
-    rows = []
-    if high is not None:
-        scale = max(abs(high), 1e-9) if high else _scale(known)
-        rows.append(
-            Rows(f"{what} <= {units.text(high, unit)}", unit, basis, high - known, unknowns, state, scale=scale)
-        )
-    if low is not None:
-        scale = abs(low) if low else _scale(known)
-        rows.append(Rows(f"{what} >= {units.text(low, unit)}", unit, -basis, known - low, unknowns, state, scale=scale))
-    return tuple(rows)
-
-
-def _scale(known: Array) -> float:
-    return max(float(np.abs(np.real(known)).max(initial=0.0)), 1.0)
 
 
 def _positive(value: float, what: str, name: str) -> None:

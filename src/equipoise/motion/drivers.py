@@ -68,7 +68,7 @@ class Cycloidal:
 
 
 @dataclass(frozen=True)
-class Polynomial:
+class TimePolynomial:
     """q = c0 + c1 s + c2 s^2 + ..., s = t / T running from 0 to 1; coefficients in rad or m."""
 
     coefficients: tuple[Joint, ...]
@@ -85,7 +85,7 @@ class Polynomial:
 
 
 @dataclass(frozen=True)
-class Spline:
+class TimeSpline:
     """A cubic spline through `values` (rad or m) at `times` (s).
 
     ends `rest` starts and stops without velocity, `cycle` closes smoothly (first and last value agree), `free`
@@ -157,5 +157,5 @@ def increasing(times: Array, where: str) -> None:
 def as_driver(value: Driver | Number | str) -> Driver:
     """A driver as it is, a number as a joint that stands still, text as an expression."""
     if isinstance(value, int | float):
-        return Polynomial((float(value),))
+        return TimePolynomial((float(value),))
     return Expression(value) if isinstance(value, str) else value

@@ -12,7 +12,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism
-from equipoise.motion.drivers import Driver, Polynomial, Samples, as_driver, increasing
+from equipoise.motion.drivers import Driver, TimePolynomial, Samples, as_driver, increasing
 from equipoise.posefile import held, read_columns
 
 
@@ -59,7 +59,7 @@ def of_drivers(mechanism: Mechanism, drivers: Mapping[str, Any], duration: float
         driver.check(f"motion, joint {joint}")
     still = held(mechanism)
     every = tuple(
-        found.get(joint, Polynomial((float(place),))) for joint, place in zip(mechanism.driven, still, strict=True)
+        found.get(joint, TimePolynomial((float(place),))) for joint, place in zip(mechanism.driven, still, strict=True)
     )
     return Motion(mechanism.driven, every, float(start), float(duration), float(duration))
 
@@ -81,7 +81,7 @@ def read_motion(mechanism: Mechanism, path: Path) -> tuple[Motion, Array]:
     increasing(times, str(path))
     still = held(mechanism)
     drivers = tuple(
-        Samples(times, columns[joint]) if joint in columns else Polynomial((float(place),))
+        Samples(times, columns[joint]) if joint in columns else TimePolynomial((float(place),))
         for joint, place in zip(mechanism.driven, still, strict=True)
     )
     span = float(times[-1])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from equipoise.affine import Array, Block, magnitudes
-from equipoise.assemble import account, reported
+from equipoise.assemble import account
 from equipoise.design import Row
 from equipoise.mechanism import Mechanism
 from equipoise.peaks import polish
@@ -63,7 +63,7 @@ def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
     """
     sweep = sweep or Sweep.sobol(mechanism)
     states = mechanism.states(sweep)
-    rows = table(mechanism, sweep, states, lambda other: reported(account(mechanism, (), other, ()), {}))
+    rows = table(mechanism, sweep, states, lambda other: account(mechanism, (), other, (), {}))
     loads = {joint: rows[joint] for joint in mechanism.driven}
     if states.rates is not None:
         loads = table(mechanism, sweep, states, lambda other: (mechanism.driven_blocks, other.holding))
