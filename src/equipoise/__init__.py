@@ -44,12 +44,16 @@ _HOME = {
     "Nitrogen": "balancers.laws",
     "Torsion": "balancers.laws",
     "Polynomial": "balancers.laws",
+    "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
     "payload_rule": "balancers.payload",
     "Adjustment": "balancers.payload",
     "Force": "limits",
     "Slack": "limits",
+    "Slope": "limits",
+    "Curvature": "limits",
+    "Convex": "limits",
     "Length": "limits",
     "Stroke": "limits",
     "Stiffness": "limits",
@@ -144,7 +148,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
-    from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+    from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
