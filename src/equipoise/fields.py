@@ -166,7 +166,7 @@ def _tuple(items: tuple[Any, ...]) -> Any:
             raise fail(f"expected {len(items)} values, got {len(value)}")
         return handler(value)
 
-    return Annotated[tuple[tuple(annotation(item) for item in items)], WrapValidator(read)]  # type: ignore[misc]
+    return Annotated[tuple[tuple(annotation(item) for item in items)], WrapValidator(read)]
 
 
 def _union(options: tuple[Any, ...]) -> Any:
@@ -187,7 +187,7 @@ def _union(options: tuple[Any, ...]) -> Any:
         return f"{BRANCH}{next((i for i, kind in enumerate(shapes) if kind != 'null'), 0)}"
 
     branches = tuple(Annotated[annotation(o), Tag(f"{BRANCH}{i}")] for i, o in enumerate(options))
-    return Annotated[Union[branches], Discriminator(choose)]  # type: ignore[valid-type]  # noqa: UP007
+    return Annotated[Union[branches], Discriminator(choose)]  # noqa: UP007
 
 
 def _shape(hint: Any) -> str:

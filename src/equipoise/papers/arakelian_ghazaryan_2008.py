@@ -10,6 +10,7 @@ import numpy as np
 
 import equipoise as eq
 from equipoise.affine import Array
+from equipoise.balancers.laws import Law
 from equipoise.claim import Claim, Reason, Source
 from equipoise.papers.paper import Paper
 
@@ -35,9 +36,9 @@ def sweep(step: float = 1.0) -> eq.Sweep:
     return eq.Sweep.grid(link(), {JOINT: (*ends, round(60 / step) + 1)})
 
 
-def spring(law: object, mass: object = 0.0) -> eq.Spring:
+def spring(law: Law, mass: float | eq.WireMass = 0.0) -> eq.Spring:
     """The spring from B to A."""
-    return eq.Spring("s", LINE, law, mass=mass)  # type: ignore[arg-type]
+    return eq.Spring("s", LINE, law, mass=mass)
 
 
 @functools.cache

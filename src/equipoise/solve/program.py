@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from equipoise.affine import Array, Unknown
+from equipoise.affine import Array, Indices, Unknown
 
 Norm = Literal["rms", "peak", "mean"]
 NORMS: tuple[Norm, ...] = ("rms", "peak", "mean")
@@ -78,7 +78,7 @@ class Rows:
     G: Array
     h: Array
     unknowns: tuple[Unknown, ...] = ()
-    state: Array | None = None
+    state: Indices | None = None
     equality: bool = False
     scale: float = 1.0
 
