@@ -76,7 +76,9 @@ def test_mass_table_arm():
     # No fixed weight does better at the elbow than half the load's own torque, either way.
     assert design.after["forearm_joint"].peak == pytest.approx(load * l2 * G / 2, rel=1e-4)
     assert design.values["tail.m"] == pytest.approx((m2 * c2 + load * l2 / 2) / 0.12, rel=1e-4)
-    assert design.after["upper_arm_joint"].peak / 60 <= design.after["forearm_joint"].peak / 20 * (1 + 1e-6)
+    upper, fore = design.after["upper_arm_joint"], design.after["forearm_joint"]
+    assert upper.sample_peak / 60 <= fore.sample_peak / 20 * (1 + 1e-6)
+    assert upper.peak / 60 <= fore.peak / 20 * (1 + 1e-4)
     assert verify(design, poses=500).verification.agrees
 
 

@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 _HOME = {
     "Mechanism": "mechanism",
     "Point": "mechanism",
+    "Platform": "mechanism",
     "Sweep": "sweep",
     "Payload": "sweep",
     "States": "states",
@@ -21,6 +22,19 @@ _HOME = {
     "Unknown": "affine",
     "Spring": "balancers.spring",
     "Line": "balancers.paths",
+    "Cable": "balancers.paths",
+    "Pulley": "balancers.paths",
+    "Angle": "balancers.paths",
+    "Absolute": "balancers.paths",
+    "Gear": "balancers.paths",
+    "Drum": "balancers.paths",
+    "ScotchYoke": "balancers.paths",
+    "SliderCrank": "balancers.paths",
+    "InvertedSliderCrank": "balancers.paths",
+    "Cam": "balancers.paths",
+    "Reel": "balancers.paths",
+    "Profile": "balancers.paths",
+    "Mount": "balancers.paths",
     "Linear": "balancers.laws",
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
@@ -42,6 +56,8 @@ _HOME = {
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "slider_crank": "models.slider_crank",
+    "cable_platform": "models.cable_platform",
+    "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "balance": "verbs.balance",
     "shape": "verbs.shape",
@@ -62,20 +78,27 @@ _HOME = {
 }
 
 __all__ = [
+    "Absolute",
     "Affine",
     "Aim",
+    "Angle",
     "Block",
+    "Cable",
+    "Cam",
     "Claim",
     "Coil",
     "Constant",
     "Counterweight",
     "Design",
     "DisagreementError",
+    "Drum",
     "EquipoiseError",
     "ExactAt",
     "Force",
+    "Gear",
     "InfeasibleError",
     "InputError",
+    "InvertedSliderCrank",
     "Length",
     "Line",
     "Linear",
@@ -84,11 +107,18 @@ __all__ = [
     "MassCap",
     "Mechanism",
     "ModelError",
+    "Mount",
     "Payload",
+    "Platform",
     "Point",
     "Problem",
     "ProblemError",
+    "Profile",
+    "Pulley",
+    "Reel",
+    "ScotchYoke",
     "Slack",
+    "SliderCrank",
     "Spring",
     "States",
     "Stiffness",
@@ -100,6 +130,8 @@ __all__ = [
     "__version__",
     "analyze",
     "balance",
+    "cable_platform",
+    "caspr",
     "chain",
     "four_bar",
     "geometry_map",
@@ -130,7 +162,22 @@ if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
-    from equipoise.balancers.paths import Line
+    from equipoise.balancers.paths import (
+        Absolute,
+        Angle,
+        Cable,
+        Cam,
+        Drum,
+        Gear,
+        InvertedSliderCrank,
+        Line,
+        Mount,
+        Profile,
+        Pulley,
+        Reel,
+        ScotchYoke,
+        SliderCrank,
+    )
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design
@@ -144,7 +191,9 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
-    from equipoise.mechanism import Mechanism, Point
+    from equipoise.mechanism import Mechanism, Platform, Point
+    from equipoise.models.cable_platform import cable_platform
+    from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
     from equipoise.models.parallelogram_arm import parallelogram_arm

@@ -82,6 +82,13 @@ class Affine:
         raise InputError(f"there is no row {block!r}; rows are {_names(self)}")
 
 
+def magnitudes(r: Array, sizes: Sequence[int]) -> Array:
+    """Euclidean norms (..., B) of the blocks of rows (..., R)."""
+    if all(size == 1 for size in sizes):
+        return np.abs(r)
+    return np.sqrt(np.add.reduceat(r * r, np.cumsum((0, *sizes[:-1])), axis=-1))
+
+
 def merge_unknowns(groups: Sequence[Sequence[Unknown]]) -> tuple[Unknown, ...]:
     """The union of unknowns in order of appearance; a shared one takes the tighter bounds."""
     merged: dict[str, Unknown] = {}

@@ -14,6 +14,7 @@ from equipoise.errors import InputError
 from equipoise.limits import Limit, Setting, implied
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
+from equipoise.platform import resultant
 from equipoise.solve.program import Program
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -47,7 +48,9 @@ def _kind(balancer: Balancer) -> type:
 
 
 def effort(mechanism: Mechanism, balancers: Sequence[Balancer], states: States, goal: str = "hold") -> Affine:
-    """The whole residual of a goal: the mechanism's share plus every balancer's."""
+    """The whole residual of a goal: the mechanism's share plus every balancer's; `wrench` follows from `hold`."""
+    if goal == "wrench":
+        return resultant(states, effort(mechanism, balancers, states))
     total = mechanism.effort(states, goal)
     for balancer in balancers:
         total = total + balancer.effort(states, goal)
@@ -75,7 +78,8 @@ def build(
     limits: Sequence[Limit] = (),
 ) -> Program:
     """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry."""
-    hold = effort(mechanism, balancers, states)
+    efforts = {goal: effort(mechanism, balancers, states, goal) for goal in dict.fromkeys(a.goal for a in objective)}
+    unknowns = next(iter(efforts.values())).unknowns
 
     def hold_at(poses: Array) -> Affine:
         return effort(mechanism, balancers, mechanism.states(sweep.at_poses(poses)))
@@ -83,8 +87,8 @@ def build(
     setting = Setting({balancer.name: balancer for balancer in balancers}, states, hold_at)
     rows = [row for limit in limits for row in limit.rows(setting)]
     rows += implied(balancers, setting)
-    terms = tuple(aim.term(mechanism, hold, states.weight) for aim in objective)
-    return Program(hold.unknowns, terms, tuple(row.expand(hold.unknowns) for row in rows))
+    terms = tuple(aim.term(mechanism, efforts[aim.goal], states.weight) for aim in objective)
+    return Program(unknowns, terms, tuple(row.expand(unknowns) for row in rows))
 
 
 def thrift(program: Program, balancers: Sequence[Balancer], states: States, value: float) -> Program:

@@ -12,7 +12,7 @@ from equipoise import __version__
 from equipoise.assemble import Balancer
 from equipoise.balancers.spring import Spring
 from equipoise.limits import Limit
-from equipoise.mechanism import Mechanism
+from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -112,11 +112,11 @@ class Design:
         """The norm that was made small."""
         return next(aim.norm for aim in self.objective if aim.cap is None)
 
-    def residual(self, states: States) -> np.ndarray:
-        """Holding effort (N, nd) with the balancers, at any states."""
+    def residual(self, states: States, goal: str = "hold") -> np.ndarray:
+        """A goal's residual (N, R) with the balancers, at any states; of `hold` (N, nd)."""
         from equipoise.assemble import effort
 
-        total = effort(self.mechanism, self.balancers, states)
+        total = effort(self.mechanism, self.balancers, states, goal)
         return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
 
     def parts(self) -> list[dict[str, Any]]:
@@ -189,14 +189,19 @@ class Design:
 
 def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     length, force = spring.force(design.states, design.values)
+    model = design.mechanism.model
+    places = [place for place, _ in spring.path.ends()]
+    ends = [place if isinstance(place, Point) else place.seat(model, spring.name) for place in places]
     stored = spring.effort(design.states, "storage")
     energy = stored.at(np.array([design.values[unknown.name] for unknown in stored.unknowns]))[:, 0]
     return {
         "name": spring.name,
         "kind": "spring",
         "law": type(spring.law).__name__,
+        "path": type(spring.path).__name__,
+        "unit": spring.path.unit,
         "parameters": spring.parameters(design.values),
-        "ends": [{"body": point.body, "at": [float(v) for v in point.at]} for point, _ in spring.path.ends()],
+        "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],
         "stroke": float(length.max() - length.min()),
         "force": [float(force.min()), float(force.max())],

@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from equipoise.affine import Array
 from equipoise.assemble import effort
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import ProblemError
+from equipoise.objective import goals_of
 from equipoise.parameters import unit_of, write
 from equipoise.problem import Problem, problem_of
-from equipoise.states import States
-from equipoise.verbs.analyze import table
+from equipoise.verbs.analyze import tables
 from equipoise.yamlfile import Document
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -56,11 +55,8 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         raise ProblemError(f"there is no value for {', '.join(missing)}", where=f"{name}, unknowns")
     ordered = {unknown.name: values[unknown.name] for unknown in whole.unknowns}
     theta = np.array(list(ordered.values()))
-
-    def residual(other: States) -> Array:
-        return effort(problem.mechanism, balancers, other).at(theta)
-
     mechanism, sweep = problem.mechanism, problem.sweep
+    goals = goals_of(problem.objective)
     design = Design(
         mechanism=mechanism,
         balancers=balancers,
@@ -70,8 +66,8 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         limits=problem.limits,
         values=ordered,
         units={u.name: u.unit for u in whole.unknowns} | {g: unit_of(balancers, g) for g in geometry},
-        before=table(mechanism, sweep, states, states.holding, lambda other: other.holding),
-        after=table(mechanism, sweep, states, whole.at(theta), residual),
+        before=tables(mechanism, sweep, states, (), np.zeros(0), goals),
+        after=tables(mechanism, sweep, states, balancers, theta, goals),
         certificate=_certificate(data.get("certificate"), name),
         geometry=geometry,
         bounds={parameter: problem.bounds[parameter] for parameter in geometry},

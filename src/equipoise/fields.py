@@ -176,11 +176,14 @@ def _union(options: tuple[Any, ...]) -> Any:
     if len(options) == 1:
         return annotation(options[0])
     shapes = [_shape(option) for option in options]
+    tags = set().union(*(_tags(option) for option in options))
 
     def choose(value: Any) -> str:
         shape = "null" if value is None else "block" if isinstance(value, dict) else "scalar"
         wanted = [f"list {len(value)}", "list", "form"] if isinstance(value, list) else [shape]
         wanted += ["form", "family"] if shape == "block" else []
+        if isinstance(value, dict) and tags & set(value):
+            wanted = ["family", *wanted]
         for kind in [*wanted, *(kind for kind in shapes if kind[:4] == "list" and isinstance(value, list))]:
             if kind in shapes:
                 return f"{BRANCH}{shapes.index(kind)}"
@@ -188,6 +191,14 @@ def _union(options: tuple[Any, ...]) -> Any:
 
     branches = tuple(Annotated[annotation(o), Tag(f"{BRANCH}{i}")] for i, o in enumerate(options))
     return Annotated[Union[branches], Discriminator(choose)]  # noqa: UP007
+
+
+def _tags(hint: Any) -> set[str]:
+    """What a block of a family begins with."""
+    from equipoise.tags import family_of
+
+    family = None if typing.get_origin(hint) is not None else family_of(hint)
+    return set(family.members()) if isinstance(family, Family) else set()
 
 
 def _shape(hint: Any) -> str:
@@ -204,4 +215,5 @@ def _shape(hint: Any) -> str:
         return "list" if origin in _LISTS else "block"
     if hint is type(None):
         return "null"
-    return "family" if family_of(hint) else "form" if is_dataclass(hint) else "scalar"
+    family = family_of(hint)
+    return "family" if isinstance(family, Family) else "form" if family or is_dataclass(hint) else "scalar"

@@ -79,6 +79,13 @@ def parameters(constructor: Constructor) -> dict[str, tuple[Any, bool, bool]]:
     return found
 
 
+def _scalar(hint: Any) -> bool:
+    """Whether a type is written as one number or word."""
+    while typing.get_origin(hint) is Annotated:
+        hint = typing.get_args(hint)[0]
+    return hint in (str, int, float)
+
+
 @dataclass(frozen=True)
 class Form:
     """The fields of one constructor."""
@@ -125,6 +132,13 @@ class Form:
         """What messages call the block."""
         return self.constructor.__name__.lower().replace("_", " ")
 
+    @property
+    def bare(self) -> bool:
+        """Whether a bare value fills the first field: the only one that must be given, and no block of its own."""
+        known = parameters(self.constructor)
+        required = [name for name, (_, needed, _) in known.items() if needed]
+        return required == list(known)[:1] and _scalar(known[required[0]][0])
+
     def _fields(self, value: Any, names: tuple[str, ...], reading: Reading) -> Mapping[str, Any]:
         if value is None:
             return {}
@@ -135,8 +149,14 @@ class Form:
             return dict(zip(names, value, strict=False))
         if isinstance(value, Mapping):
             return value
+        if self.bare and isinstance(value, str | int | float) and not isinstance(value, bool):
+            return {names[0]: value}
         example = f"{{{', '.join(f'{name}: ...' for name in names[:3])}{', ...' if len(names) > 3 else ''}}}"
         raise fail(f"expected the fields of {self.word}, got {words(value)}", f"write {example}")
+
+
+_open: list[str] = []
+"""Families whose schemas are being written."""
 
 
 @dataclass(frozen=True)
@@ -154,6 +174,16 @@ class Family:
     later: bool = False
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        if self.what in _open:
+            # A member that holds another of its family, as a gear another gear's angle.
+            return core_schema.definition_reference_schema(f"any_{self.what}")
+        _open.append(self.what)
+        try:
+            return self._schema(handler)
+        finally:
+            _open.pop()
+
+    def _schema(self, handler: Any) -> core_schema.CoreSchema:
         fields = {
             tag: core_schema.typed_dict_field(
                 handler.generate_schema(Annotated[Any, Form(item, self.later)]), required=False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,20 @@ class Point:
     at: tuple[Any, Any, Any] = (0.0, 0.0, 0.0)
 
 
+@dataclass(frozen=True)
+class Platform:
+    """What cables hold: its reference point, the rows of its wrench, the length that makes moments comparable.
+
+    rows S (n, 6) pick the wrench from (F, M) in world axes at the point, n the number of driven joints; length in
+    m divides the moments of the resultant; cables are the names of the tendons that hold it.
+    """
+
+    point: Point
+    rows: tuple[tuple[float, ...], ...]
+    length: float
+    cables: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Mechanism:
     """A MuJoCo model, its driven joints and the reference posture that names the assembly branch.
@@ -37,7 +52,7 @@ class Mechanism:
     spec is the editable source of the file that a user takes away and model the compiled one;
     reference (nq,) is the posture of joints that are held and the branch of those that loops drive;
     singularity is the least admissible singular value of the loop Jacobian (lengths over their
-    characteristic length); remarks are what the mass audit has to say.
+    characteristic length); remarks are what the mass audit has to say; platform is what a `wrench` acts on.
     """
 
     spec: mujoco.MjSpec
@@ -48,6 +63,7 @@ class Mechanism:
     remarks: tuple[str, ...] = ()
     singularity: float = 1e-3
     source: Path | None = None
+    platform: Platform | None = None
     _batches: dict[int, Batch] = field(default_factory=dict, repr=False)
 
     @staticmethod
@@ -99,18 +115,36 @@ class Mechanism:
         """Names of all joints."""
         return tuple(self.model.joint(i).name for i in range(self.model.njnt))
 
-    @property
+    def cable(self, name: str) -> tuple[Point, Point]:
+        """The two ends of a cable: a tendon between two sites; raises InputError for any other name."""
+        model = self.model
+        index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, name)
+        known = [model.tendon(i).name for i in range(model.ntendon)]
+        if index < 0:
+            raise InputError(f"there is no cable {name!r} in {self.name}", hint=nearest(name, known))
+        first, count = model.tendon_adr[index], model.tendon_num[index]
+        wraps = slice(first, first + count)
+        if count != 2 or (model.wrap_type[wraps] != mujoco.mjtWrap.mjWRAP_SITE).any():
+            raise InputError(f"tendon {name!r} is no straight cable", hint="a cable joins two sites")
+        sites = [model.site(int(site)) for site in model.wrap_objid[wraps]]
+        ends = []
+        for site in sites:
+            x, y, z = (float(value) for value in site.pos)
+            ends.append(Point(model.body(int(site.bodyid[0])).name, (x, y, z)))
+        return ends[0], ends[1]
+
+    @cached_property
     def driven_ids(self) -> Array:
         """Joint numbers of the driven joints (nd,)."""
         return np.array([self.joint_id(name) for name in self.driven], dtype=int)
 
-    @property
+    @cached_property
     def driven_units(self) -> tuple[str, ...]:
         """Unit of the holding effort per driven joint: N m for a hinge, N for a slide."""
         slide = mujoco.mjtJoint.mjJNT_SLIDE
         return tuple("N" if self.model.jnt_type[i] == slide else "N m" for i in self.driven_ids)
 
-    @property
+    @cached_property
     def driven_blocks(self) -> tuple[Block, ...]:
         """One block per driven joint."""
         return tuple(Block(name, unit) for name, unit in zip(self.driven, self.driven_units, strict=True))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 import typing
 from collections.abc import Mapping, Sequence
@@ -18,6 +19,7 @@ AXES = {"x": 0, "y": 1, "z": 2}
 Item = TypeVar("Item", bound=Any)
 
 
+@functools.cache
 def tag(cls: type) -> str:
     """The word that names a class in a problem file: ZeroFreeLength -> zero_free_length."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
@@ -84,10 +86,10 @@ def _walk(item: Any, keys: Sequence[str], name: str) -> Any:
 
 
 def _child(item: Any, key: str, name: str) -> Any:
-    if is_dataclass(item) and key == tag(type(item)):
-        return item
     if isinstance(item, Point) and key in AXES:
         return item.at[AXES[key]]
+    if is_dataclass(item) and key == tag(type(item)):
+        return item
     if is_dataclass(item):
         names = [field.name for field in fields(item)]
         if key.isdigit() and int(key) < len(names):
@@ -126,4 +128,4 @@ def _replace(item: Any, keys: Sequence[str], value: Any, name: str) -> Any:
         entries[AXES.get(key, int(key) if key.isdigit() else 0)] = changed
         return tuple(entries)
     field = [f.name for f in fields(item)][int(key)] if key.isdigit() else key
-    return replace(item, **{field: changed})
+    return replace(typing.cast(Any, item), **{field: changed})

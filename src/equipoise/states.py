@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
 
 import mujoco
 import numpy as np
@@ -14,6 +15,18 @@ from equipoise.mechanism import Mechanism, Point
 
 if TYPE_CHECKING:
     from equipoise.sweep import Sweep
+
+
+class Spot(Protocol):
+    """A point that no body of the mechanism carries, such as a slider: it says where it is and what carries it."""
+
+    def locate(self, states: States) -> tuple[Array, Array]:
+        """World position p (..., N, 3), m, and its Jacobian dp/dq_driven (..., N, 3, nd)."""
+        ...
+
+    def seat(self, model: mujoco.MjModel, name: str) -> Point:
+        """The point of the body that carries the spot in a model in which the part `name` was installed."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,17 +96,21 @@ class States:
     def __len__(self) -> int:
         return len(self.driven)
 
-    def point(self, point: Point) -> tuple[Array, Array]:
-        """World position p (..., N, 3) and its Jacobian dp/dq_driven (..., N, 3, nd) of a body's point.
+    def point(self, point: Point | Spot) -> tuple[Array, Array]:
+        """World position p (..., N, 3) and its Jacobian dp/dq_driven (..., N, 3, nd) of a body's point, or of a spot.
 
-        Coordinates may be complex or carry leading candidate axes (C, 1): position and Jacobian follow.
+        Coordinates may be complex, carry leading candidate axes (C, 1) or differ from row to row (N,).
         """
+        if not isinstance(point, Point):
+            return point.locate(self)
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
         arm = xmat @ local if local.ndim == 1 else (xmat @ local[..., None])[..., 0]
         position = xpos + arm
         linear, angular = self._twist(body)
+        if not ancestors(self.mechanism.model, body):
+            return position, linear
         offset = position - self.kin.com[:, body]
         x, y, z = (offset[..., i, None] for i in range(3))
         wx, wy, wz = (angular[:, i] for i in range(3))
@@ -112,7 +129,7 @@ class States:
         index = self.mechanism.body_id(body)
         return self.kin.xmat[:, index], self._twist(index)[1]
 
-    @property
+    @cached_property
     def holding(self) -> Array:
         """Holding effort of the bare mechanism and its payload (N, nd): D^T (bias - spring) - sum m g . J."""
         free = np.squeeze((self.kin.bias - self.kin.spring)[:, None, :] @ self.D, axis=1)
@@ -128,13 +145,13 @@ class States:
             total = total + self.weight_energy(point, mass)
         return total
 
-    def weight_effort(self, point: Point, mass: Any) -> Array:
+    def weight_effort(self, point: Point | Spot, mass: Any) -> Array:
         """Holding effort (..., N, nd) of a point mass (kg, scalar or per row): -m g . J."""
         _, jacobian = self.point(point)
         lift = np.einsum("i,...ij->...j", -self.mechanism.gravity, jacobian)
         return np.asarray(mass)[..., None] * lift
 
-    def weight_energy(self, point: Point, mass: Any) -> Array:
+    def weight_energy(self, point: Point | Spot, mass: Any) -> Array:
         """Potential energy (..., N) of a point mass, J: -m g . p."""
         position, _ = self.point(point)
         return np.asarray(mass) * (position @ -self.mechanism.gravity)

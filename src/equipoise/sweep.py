@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from equipoise import workspace
 from equipoise.affine import Array
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism, Point
@@ -51,7 +52,8 @@ class Sweep:
 
     poses (N, nd) rad or m; weight (N,) non-negative, a pose of weight 0 counts for peaks only; box (nd, 2)
     the region that the poses stand for, or None for a bare list; payloads K points and scenarios (S, K) kg;
-    label says in words what was swept; sampled poses may be refined between the samples.
+    label says in words what was swept; sampled poses may be refined between the samples; finer makes the same
+    region with a finer quadrature, whose difference is the error of this one.
     """
 
     poses: Array
@@ -61,6 +63,7 @@ class Sweep:
     sampled: bool = False
     payloads: tuple[Payload, ...] = ()
     scenarios: Array = None  # type: ignore[assignment]
+    finer: Callable[[], Sweep] | None = None
 
     def __post_init__(self) -> None:
         if self.scenarios is None:
@@ -126,6 +129,90 @@ class Sweep:
         return _with_payload(mechanism, Sweep(poses, weight, f"{len(poses)} Gauss-Legendre points", box), payload)
 
     @staticmethod
+    def polygon(
+        mechanism: Mechanism,
+        corners: Sequence[tuple[Length, Length]],
+        *,
+        points: int = 12,
+        joints: tuple[str, str] | None = None,
+        axes: Mapping[str, Sequence[Joint]] | None = None,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """A polygon (corners in order, m) of two slides, by Gauss points collapsed onto corners and anchors.
+
+        joints default to the first two driven ones; axes {joint: (low, high, points)} are Gauss-Legendre points
+        of further joints. Weights sum to the area times the measure of the axes; poses on the edges and close to
+        the corners have weight 0 and count for peaks. Raises InputError for a polygon that crosses itself, has no
+        area, or leaves the joints' limits.
+        """
+        names = mechanism.driven[:2] if joints is None else joints
+        vertices = np.array([_interval(corner, 2, "sweep.polygon", ordered=False) for corner in corners])
+        rule = workspace.polygon_rule(vertices, _anchors(mechanism, names), _count(points))
+        edge = workspace.rim(vertices, points)
+        label = f"polygon of {len(vertices)} corners over {' and '.join(names)}"
+
+        def finer() -> Sweep:
+            more = points + 4
+            return Sweep.polygon(mechanism, corners, points=more, joints=joints, axes=axes, payload=payload)
+
+        return _region(
+            mechanism, names, vertices, rule=rule, edge=edge, axes=axes or {}, payload=payload, label=label, finer=finer
+        )
+
+    @staticmethod
+    def triangle(
+        mechanism: Mechanism,
+        corners: tuple[tuple[Length, Length], tuple[Length, Length], tuple[Length, Length]],
+        *,
+        points: int = 12,
+        joints: tuple[str, str] | None = None,
+        axes: Mapping[str, Sequence[Joint]] | None = None,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """A triangle of two slides: the polygon of three corners, 6 points^2 poses."""
+        return Sweep.polygon(mechanism, corners, points=points, joints=joints, axes=axes, payload=payload)
+
+    @staticmethod
+    def region(
+        mechanism: Mechanism,
+        ranges: Mapping[str, tuple[Joint, Joint]],
+        *,
+        points: int = 8,
+        axes: Mapping[str, Sequence[Joint]] | None = None,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """A box {joint: (low, high)} by Gauss points collapsed onto its corners, where anchors may be.
+
+        d 2^d points^d poses for d joints; axes {joint: (low, high, points)} are plain Gauss-Legendre points of
+        further joints. Weights sum to the measure. Raises InputError for ranges beyond the joints' limits.
+        """
+        names = tuple(ranges)
+        pairs = np.array([_interval(pair, 2, f"sweep.box.{name}") for name, pair in ranges.items()]).reshape(-1, 2)
+        if not 1 <= len(names) <= 3 or (pairs[:, 0] >= pairs[:, 1]).any():
+            raise InputError(
+                "a box needs one to three joints with low < high", where="sweep.box", hint="use quadrature"
+            )
+        rule = workspace.box_rule(pairs[:, 0], pairs[:, 1], _count(points))
+        corners = np.array(list(itertools.product(*pairs)))
+
+        def finer() -> Sweep:
+            return Sweep.region(mechanism, ranges, points=points + 2, axes=axes, payload=payload)
+
+        sweep = _region(
+            mechanism,
+            names,
+            corners,
+            rule=rule,
+            edge=corners,
+            axes=axes or {},
+            payload=payload,
+            label=f"box over {', '.join(names)}",
+            finer=finer,
+        )
+        box = sweep.poses.min(0), sweep.poses.max(0)
+        return replace(sweep, box=np.stack(box, axis=1))
+
+    @staticmethod
     def of_poses(
         mechanism: Mechanism,
         poses: Sequence[Mapping[str, Joint]] | str | Path,
@@ -156,7 +243,7 @@ class Sweep:
 
     def at_poses(self, poses: Array) -> Sweep:
         """The same payload scenarios at other poses, equal weights."""
-        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None)
+        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None, finer=None)
 
     def rows(self) -> tuple[Array, Array, Array]:
         """Driven positions (S N, nd), weights (S N,) and payload masses (S N, K), scenario by scenario."""
@@ -203,13 +290,74 @@ def _driven_index(mechanism: Mechanism, joint: str, where: str) -> int:
     return mechanism.driven.index(joint)
 
 
-def _interval(values: Sequence[float], count: int, where: str) -> list[float]:
+def _count(points: int) -> int:
+    if not 1 <= points <= 200:
+        raise InputError(f"{points} points in each direction", where="sweep.points", hint="use 4 to 40")
+    return points
+
+
+def _anchors(mechanism: Mechanism, names: Sequence[str]) -> Array:
+    """Where cables of a point platform have no length, in the plane of two slides (S, 2)."""
+    platform, model = mechanism.platform, mechanism.model
+    if platform is None or len(platform.rows) != 2:
+        return np.zeros((0, 2))
+    axes = [int(np.argmax(np.abs(model.jnt_axis[mechanism.joint_id(name)]))) for name in names]
+    return np.array([[mechanism.cable(cable)[0].at[axis] for axis in axes] for cable in platform.cables])
+
+
+def _region(
+    mechanism: Mechanism,
+    names: Sequence[str],
+    corners: Array,
+    *,
+    rule: tuple[Array, Array],
+    edge: Array,
+    axes: Mapping[str, Sequence[Joint]],
+    payload: Sequence[Payload],
+    label: str,
+    finer: Callable[[], Sweep],
+) -> Sweep:
+    """The product of a rule over some joints and Gauss points of others; edge poses weigh nothing."""
+    indices = [_driven_index(mechanism, name, "sweep") for name in names]
+    limits = mechanism.box[indices]
+    for corner in corners:
+        for name, value, (low, high) in zip(names, corner, limits, strict=True):
+            if value < low - 1e-9 or value > high + 1e-9:
+                raise InputError(
+                    f"the workspace reaches {name} = {value:g}, the platform only {low:g} to {high:g}",
+                    where="sweep",
+                    hint="keep it within the anchors, or widen the platform's `limits`",
+                )
+    if set(names) & set(axes):
+        raise InputError("a joint is in the region and in the axes", where="sweep.axes", hint="name it once")
+    start = held(mechanism)
+    others, weight = start[None], np.ones(1)
+    ends = start[None]
+    if axes:
+        inner = Sweep.quadrature(mechanism, axes)
+        others, weight = inner.poses, inner.weight
+        assert inner.box is not None
+        ends = np.array(list(itertools.product(*inner.box)))
+    points, w = rule
+    poses = np.concatenate([_crossed(points, others, indices), _crossed(edge, np.unique(ends, axis=0), indices)])
+    weights = np.concatenate([np.outer(w, weight).ravel(), np.zeros(len(poses) - len(w) * len(weight))])
+    what = f"{len(w) * len(weight)} Gauss points of a {label}"
+    return _with_payload(mechanism, Sweep(poses, weights, what, finer=finer), payload)
+
+
+def _crossed(points: Array, others: Array, indices: Sequence[int]) -> Array:
+    poses = np.tile(others, (len(points), 1))
+    poses[:, indices] = np.repeat(points, len(others), axis=0)
+    return poses
+
+
+def _interval(values: Sequence[float], count: int, where: str, ordered: bool = True) -> list[float]:
     if len(values) != count:
         raise InputError(f"expected {count} numbers, got {len(values)}", where=where)
     numbers = [float(value) for value in values]
     if not all(map(math.isfinite, numbers)):
         raise InputError(f"{numbers} is not finite", where=where)
-    if numbers[0] > numbers[1]:
+    if ordered and numbers[0] > numbers[1]:
         raise InputError(
             f"the limits are reversed: {numbers[0]:g} > {numbers[1]:g}", where=where, hint="write the lower limit first"
         )

@@ -7,11 +7,29 @@ from typing import Any
 
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
-from equipoise.balancers.paths import Line
+from equipoise.balancers.paths import (
+    Absolute,
+    Angle,
+    Cable,
+    Cam,
+    Drum,
+    Gear,
+    InvertedSliderCrank,
+    Line,
+    Path,
+    Profile,
+    Pulley,
+    Reel,
+    ScotchYoke,
+    SliderCrank,
+    Turn,
+)
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
 from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
 from equipoise.mechanism import Mechanism, Point
+from equipoise.models.cable_platform import cable_platform
+from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
 from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -26,16 +44,34 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "parallelogram_robot": parallelogram_robot,
     "four_bar": four_bar,
     "slider_crank": slider_crank,
+    "cable_platform": cable_platform,
+    "caspr": caspr,
 }
 MECHANISMS: dict[str, Callable[..., Any]] = {"model": Mechanism.load, **BUILDERS}
 SWEEPS: dict[str, Callable[..., Any]] = {
     "sobol": Sweep.sobol,
     "grid": Sweep.grid,
     "quadrature": Sweep.quadrature,
+    "triangle": Sweep.triangle,
+    "polygon": Sweep.polygon,
+    "box": Sweep.region,
     "poses": Sweep.of_poses,
 }
 BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
-PATHS: dict[str, Callable[..., Any]] = {"line": Line}
+TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
+PATHS: dict[str, Callable[..., Any]] = {
+    "line": Line,
+    "cable": Cable,
+    **TURNS,
+    "drum": Drum,
+    "scotch_yoke": ScotchYoke,
+    "slider_crank": SliderCrank,
+    "inverted_slider_crank": InvertedSliderCrank,
+    "cam": Cam,
+    "reel": Reel,
+}
+PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
+PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
     "linear": Linear,
@@ -69,6 +105,9 @@ BALANCER = Family("balancer", _members(BALANCERS))
 LIMIT = Family("limit", _members(LIMITS), leading=True)
 PATH = Family("path", _members(PATHS))
 LAW = Family("law", _members(LAWS))
+TURN = Family("angle", _members(TURNS))
+PROFILE = Family("profile", _members(PROFILES))
+PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
 
 
@@ -76,9 +115,14 @@ def family_of(hint: Any) -> Family | Form | None:
     """The family that a parameter's type stands for, and how points are written; None for other types."""
     if hint is Point:
         return Form(point)
-    if hint is Law:
-        return LAW
-    for family, table in ((PATH, PATHS), (LAW, LAWS), (MASS, MASSES)):
+    for family, table in (
+        (LAW, {"any": Law, **LAWS}),
+        (TURN, {"any": Turn, **TURNS}),
+        (PATH, {"any": Path, **PATHS}),
+        (PROFILE, PROFILES),
+        (PULLEY, PULLEYS),
+        (MASS, MASSES),
+    ):
         if isinstance(hint, type) and hint in table.values():
             return family
     return None

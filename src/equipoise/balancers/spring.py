@@ -11,9 +11,10 @@ import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
 from equipoise.balancers.laws import Law, WireMass
-from equipoise.balancers.paths import Path
+from equipoise.balancers.paths import Path, Place
+from equipoise.balancers.paths.bodies import outline
 from equipoise.errors import InputError, nearest
-from equipoise.mechanism import Mechanism
+from equipoise.mechanism import Mechanism, Point
 from equipoise.states import States
 from equipoise.units import Mass
 
@@ -58,6 +59,13 @@ class Spring:
             )
         return self.mass.of(rate)
 
+    @property
+    def masses(self) -> tuple[tuple[Place, Any], ...]:
+        """Places and masses, kg, of the spring's own mass, lumped, and of its path's parts."""
+        own = self.own_mass
+        shares = ((place, share * np.asarray(own)) for place, share in self.path.ends()) if np.any(own) else ()
+        return (*shares, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError where the spring cannot act on the mechanism."""
         self.path.check(mechanism, self.name)
@@ -83,11 +91,8 @@ class Spring:
         raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy", "storage"]))
 
     def _weight(self, states: States, goal: str) -> Any:
-        mass = self.own_mass
-        if not np.any(mass):
-            return 0.0
         answer = states.weight_effort if goal == "hold" else states.weight_energy
-        return sum(answer(point, share * np.asarray(mass)) for point, share in self.path.ends())
+        return sum((answer(place, mass) for place, mass in self.masses), 0.0)
 
     def force(self, states: States, values: Mapping[str, float]) -> tuple[Array, Array]:
         """Length (N,), m, and force (N,), N, for given values of the unknowns {name: value}."""
@@ -130,7 +135,8 @@ class Spring:
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = [-intercept, -slope, 0.0]
-        for side, (point, share) in zip("ab", self.path.ends(), strict=True):
+        for side, (place, share) in zip("ab", self.path.ends() if self.own_mass else (), strict=False):
+            point = place if isinstance(place, Point) else place.seat(outline(spec), self.name)
             add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, share * float(self.own_mass))
 
 

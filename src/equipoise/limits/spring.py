@@ -30,7 +30,7 @@ class Force:
         spring = setting.find(self.spring, Spring, "force")
         length, _ = spring.path.deform(setting.states)
         basis, known = spring.law.force_basis(length)
-        return _sides(f"force of {self.spring}", "N", basis, known, spring.unknowns, self.min, self.max)
+        return _sides(f"force of {self.spring}", "N", basis, known, spring.unknowns, low=self.min, high=self.max)
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Slack:
         spring = setting.find(self.spring, Spring, "slack")
         length, _ = spring.path.deform(setting.states)
         basis, known = spring.law.force_basis(length)
-        return _sides(f"slack of {self.spring}", "N", basis, known, spring.unknowns, 0.0, None)
+        return _sides(f"slack of {self.spring}", "N", basis, known, spring.unknowns, low=0.0, high=None)
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Length:
         spring = setting.find(self.spring, Spring, "length")
         length, _ = spring.path.deform(setting.states)
         none = np.zeros((*length.shape, 0), dtype=length.dtype)
-        return _sides(f"length of {self.spring}", "m", none, length, (), self.min, self.max)
+        return _sides(f"length of {self.spring}", "m", none, length, (), low=self.min, high=self.max)
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Stroke:
         shortest = np.take_along_axis(length, np.real(length).argmin(-1)[..., None], axis=-1)
         excess = np.concatenate([length - shortest, longest - length], axis=-1)
         none = np.zeros((*excess.shape, 0), dtype=excess.dtype)
-        rows = _sides(f"stroke of {self.spring}", "m", none, excess, (), None, self.max)
+        rows = _sides(f"stroke of {self.spring}", "m", none, excess, (), low=None, high=self.max)
         count = length.shape[-1]
         return tuple(Rows(r.limit, r.unit, r.G, r.h, (), np.arange(2 * count) % count, scale=r.scale) for r in rows)
 
@@ -97,12 +97,14 @@ class Stiffness:
         spring = setting.find(self.spring, Spring, "stiffness")
         unknown = [u for u in spring.unknowns if u.name == f"{spring.owner}.k"]
         given = getattr(spring.law, "k", None)
-        if not unknown and given is None:
-            raise InputError(f"spring {self.spring} has no stiffness", where="limit stiffness", hint="limit its force")
-        basis, known = (np.ones((1, 1)), np.zeros(1)) if unknown else (np.zeros((1, 0)), np.atleast_1d(given))
-        if known.ndim > 1:
+        if unknown:
+            basis, known = np.ones((1, 1)), np.zeros(1)
+        elif given is not None:
+            known = np.atleast_1d(given)
             basis = np.zeros((*known.shape, 0))
-        return _sides(f"stiffness of {self.spring}", "N/m", basis, known, tuple(unknown), self.min, self.max)
+        else:
+            raise InputError(f"spring {self.spring} has no stiffness", where="limit stiffness", hint="limit its force")
+        return _sides(f"stiffness of {self.spring}", "N/m", basis, known, tuple(unknown), low=self.min, high=self.max)
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ class MassCap:
         weight = setting.find(self.counterweight, Counterweight, "mass")
         mass = [u for u in weight.unknowns if u.name == f"{weight.owner}.m"]
         basis, known = (np.ones((1, 1)), np.zeros(1)) if mass else (np.zeros((1, 0)), np.array([weight.mass]))
-        return _sides(f"mass of {self.counterweight}", "kg", basis, known, tuple(mass), None, self.max)
+        return _sides(f"mass of {self.counterweight}", "kg", basis, known, tuple(mass), low=None, high=self.max)
 
 
 def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tuple[Rows, ...]:
@@ -152,11 +154,12 @@ def _closed(spring: Spring, setting: Setting) -> list[Rows]:
     bounds += [(np.broadcast_to(closed, (1,)), -1.0)] if closed is not None else []
     for bound, side in bounds:
         # side (k_free_length - k bound) <= 0, in which both are unknowns unless k is given.
-        if rate is None:
-            G, h, over = np.full((*bound.shape, 1), side), side * given * bound, (product,)
-        else:
+        if rate is not None:
             G = np.stack(np.broadcast_arrays(-side * bound, side), axis=-1)
             h, over = np.zeros(bound.shape), (rate, product)
+        else:
+            assert given is not None
+            G, h, over = np.full((*bound.shape, 1), side), side * given * bound, (product,)
         where = state if bound is length else np.array([-1])
         rows.append(Rows(f"free length of {spring.name}", "N", G, h, over, where))
     return rows
@@ -177,7 +180,7 @@ def _reach(weight: Counterweight) -> list[Rows]:
 
 
 def _sides(
-    what: str, unit: str, basis: Array, known: Array, unknowns: tuple[Unknown, ...], low: Any, high: Any
+    what: str, unit: str, basis: Array, known: Array, unknowns: tuple[Unknown, ...], *, low: Any, high: Any
 ) -> tuple[Rows, ...]:
     """Rows of low <= basis theta + known <= high, one per state."""
     if low is None and high is None:

@@ -21,13 +21,16 @@ _DEEPEST = 400
 _MOST_ELEMENTS = 1_000_000
 
 
-def read_xml(path: Path, where: str) -> ET.Element:
+def read_xml(path: Path, where: str, drop: re.Pattern[bytes] | None = None) -> ET.Element:
     """The root element of an XML file, its comments dropped.
 
     Raises ModelError for a file that cannot be read, is not XML, is too large or too deep, or declares a
-    document type or entities: those could expand without bound or point outside the file.
+    document type or entities: those could expand without bound or point outside the file. drop is what a known
+    format declares harmlessly; it is removed first, its lines kept.
     """
     data = _read_bytes(path, where)
+    if drop is not None:
+        data = drop.sub(lambda found: b"\n" * found[0].count(b"\n"), data, count=1)
     if not data.strip():
         raise ModelError("the file is empty", where=where)
     if b"\0" in data or data[:2] in (b"\xff\xfe", b"\xfe\xff"):

@@ -58,6 +58,8 @@ def result(design: Design) -> str:
     before, after = design.before[joint], design.after[joint]
     was, left = getattr(before, norm), getattr(after, norm)
     what = {"peak": "The peak", "rms": "The rms", "mean": "The mean"}[norm]
+    if joint not in design.mechanism.driven:
+        return f"{what} of the {joint} is {sig(left)} {after.unit}; without the added parts it is {sig(was)}."
     word = "holding torque" if before.unit == "N m" else "holding force"
     start = f"{what} {word} at {joint}"
     if left <= 1e-9 * was:

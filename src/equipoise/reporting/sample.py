@@ -37,8 +37,9 @@ class Sample:
 
     @property
     def main(self) -> int:
-        """Number of the joint that gains most."""
-        return self.design.mechanism.driven.index(main_joint(self.design))
+        """Number of the joint that gains most; where no joint counts, of the one that the parts load most."""
+        name, driven = main_joint(self.design), self.design.mechanism.driven
+        return driven.index(name) if name in driven else int(np.abs(self.after - self.before).max(axis=0).argmax())
 
     @property
     def scenarios(self) -> int:
@@ -47,17 +48,19 @@ class Sample:
 
     @cached_property
     def counted(self) -> list[int]:
-        """Numbers of the joints that count in the objective."""
+        """Numbers of the joints that count in the objective; all where it speaks of none."""
         names = {joint for aim in self.design.objective for joint in aim.counted(self.design.mechanism)}
-        return [index for index, joint in enumerate(self.design.mechanism.driven) if joint in names]
+        driven = self.design.mechanism.driven
+        return [index for index, joint in enumerate(driven) if joint in names] or list(range(len(driven)))
 
     @cached_property
     def matter(self) -> list[int]:
         """Numbers of the joints that carry a load worth a picture, the most loaded first."""
         design = self.design
         names = sort_out(design.before, design.after)[0]
-        order = sorted(names, key=lambda name: -design.before[name].peak)
-        return [design.mechanism.driven.index(name) for name in order]
+        driven = design.mechanism.driven
+        order = sorted(names, key=lambda name: -max(design.before[name].peak, design.after[name].peak))
+        return [driven.index(name) for name in order if name in driven]
 
     @cached_property
     def box(self) -> Array:
@@ -88,7 +91,8 @@ class Sample:
 
     def calm(self, pose: Array) -> Array:
         """The pose with every joint that no load reaches brought to its reference, which leaves the drawing clear."""
-        idle = [self.design.mechanism.driven.index(n) for n in sort_out(self.design.before, self.design.after)[2]]
+        driven = self.design.mechanism.driven
+        idle = [driven.index(n) for n in sort_out(self.design.before, self.design.after)[2] if n in driven]
         calmed = pose.copy()
         calmed[idle] = held(self.design.mechanism)[idle]
         return calmed

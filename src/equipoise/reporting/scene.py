@@ -10,7 +10,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
-from equipoise.mechanism import Mechanism
+from equipoise.mechanism import Mechanism, Point
 from equipoise.states import States
 
 BARS = (int(mujoco.mjtGeom.mjGEOM_CAPSULE), int(mujoco.mjtGeom.mjGEOM_CYLINDER))
@@ -64,11 +64,11 @@ def scene(design: Design, states: States, row: int) -> Scene:
 
     for number, balancer in enumerate(design.balancers):
         if isinstance(balancer, Spring):
-            points = [point for point, _ in balancer.path.ends()]
-            ends = [states.point(point)[0][row] for point in points]
-            springs.append((number, ends[0], ends[-1]))
-            for point, end in zip(points, ends, strict=True):
-                attach(point.body, end)
+            drawn = balancer.path.sketch(states, row).spring
+            if drawn is not None:
+                springs.append((number, drawn[0], drawn[-1]))
+            for point in [place for place, _ in balancer.path.ends() if isinstance(place, Point)]:
+                attach(point.body, states.point(point)[0][row])
         else:
             mass, where = balancer.place(design.values)
             body = mechanism.body_id(balancer.at.body)

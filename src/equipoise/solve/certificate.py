@@ -13,12 +13,11 @@ from equipoise.solve.program import Program, Term
 
 @dataclass(frozen=True, eq=False)
 class Multipliers:
-    """Prices at the optimum: per limit the sum over its rows, per unknown's bound, per term and block."""
+    """Prices at the optimum: per limit the sum over its rows, per unknown's bound."""
 
     limits: dict[str, float] = field(default_factory=dict)
     lower: Array = field(default_factory=lambda: np.zeros(0))
     upper: Array = field(default_factory=lambda: np.zeros(0))
-    share: dict[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -60,8 +59,7 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
     theta = answer.theta
     primal = program.objective(theta)
     if not theta.size:
-        share = {term.name: _shares(term, working, answer, i) for i, term in enumerate(program.terms)}
-        return Gap(primal, primal, program.violation(theta)), Multipliers(share=share)
+        return Gap(primal, primal, program.violation(theta)), Multipliers()
     columns = _Columns()
     for i, term in enumerate(program.terms):
         _term_columns(columns, term, working, answer, i)
@@ -89,17 +87,17 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
         parts[k] = np.maximum(parts[k], 0.0)
     size = np.concatenate(parts)
     leftover, gain = size @ slope, 0.0
-    norms = [_dual_norm(t, working, parts[i], answer, i) for i, t in enumerate(program.terms)]
+    norms = [_dual_norm(t, working, parts[i], i) for i, t in enumerate(program.terms)]
     if smooth is not None:
         leftover, gain, norms[smooth] = _through_rms(program, answer, smooth, leftover)
-    excess = max(1.0, *norms)
-    caps = sum(price * term.cap for term, price in zip(program.terms, answer.cap, strict=True) if term.cap)
+    # A cap's own price may be any that covers its multipliers: their dual norm is the cheapest.
+    excess = max([1.0, *(norm / t.factor for t, norm in zip(program.terms, norms, strict=True) if t.cap is None)])
+    caps = sum(norm * term.cap for term, norm in zip(program.terms, norms, strict=True) if term.cap is not None)
     dual = (float(size @ value) + gain - caps - float(np.abs(leftover) @ np.abs(theta))) / excess
     prices: dict[str, float] = {}
     for k, rows in zip(rows_at, program.rows, strict=True):
         prices[rows.limit] = prices.get(rows.limit, 0.0) + float(np.abs(parts[k]).sum() / excess)
-    share = {t.name: _shares(t, working, answer, i) for i, t in enumerate(program.terms)}
-    multipliers = Multipliers(prices, parts[lower] / excess, parts[upper] / excess, share)
+    multipliers = Multipliers(prices, parts[lower] / excess, parts[upper] / excess)
     # Zero residual bounds every norm from below.
     return Gap(primal, max(dual, 0.0), program.violation(theta)), multipliers
 
@@ -129,41 +127,23 @@ def _onto_stationarity(slope: Array, size: Array) -> Array:
 def _through_rms(program: Program, answer: Answer, i: int, residual: Array) -> tuple[Array, float, float]:
     """Take a stationarity residual up with y + W A z of an rms term, whose multipliers are dense.
 
-    Returns what is left of the residual, the change of the dual value and the new dual norm over its allowance.
+    Returns what is left of the residual, the change of the dual value and the new dual norm.
     """
-    term, factor = program.terms[i], program.terms[i].triangle
+    factor = program.terms[i].triangle
     slope, known = factor[:, :-1] * program.scale, factor[:, -1]
     step = slope @ np.linalg.lstsq(slope.T @ slope, -residual * program.scale, rcond=1e-14)[0]
     direction = factor @ np.append(answer.theta, 1.0)
     y = answer.level[i] * direction / max(float(np.linalg.norm(direction)), 1e-300) + step
-    allowance = answer.cap[i] if term.cap is not None else term.factor
-    norm = float(np.linalg.norm(y)) / allowance if allowance > 1e-12 else 1.0
-    return residual + factor[:, :-1].T @ step, float(step @ known), norm
+    return residual + factor[:, :-1].T @ step, float(step @ known), float(np.linalg.norm(y))
 
 
-def _dual_norm(term: Term, working: Working, y: Array, answer: Answer, i: int) -> float:
-    """Dual norm of a term's multipliers over its allowance (the factor, or a cap's own price)."""
-    allowance = answer.cap[i] if term.cap is not None else term.factor
-    if allowance <= 1e-12:
-        return 1.0
+def _dual_norm(term: Term, working: Working, y: Array, i: int) -> float:
+    """Dual norm of a term's multipliers."""
     if term.norm == "rms":
-        return float(abs(y[0])) / allowance
+        return float(abs(y[0]))
     sample = spread(term.sizes, working.terms[i])[0]
     magnitude = np.sqrt(np.bincount(sample, weights=y * y, minlength=len(working.terms[i])))
     if term.norm == "peak":
-        return float(magnitude.sum()) / allowance
+        return float(magnitude.sum())
     weight = np.maximum(term.weight[working.terms[i] // len(term.sizes)], 1e-300)
-    return float((magnitude / weight).max(initial=0.0)) / allowance
-
-
-def _shares(term: Term, working: Working, answer: Answer, i: int) -> Array:
-    """Which blocks hold the norm up: share (B,) of each in its multipliers."""
-    count = len(term.sizes)
-    if term.norm == "peak":
-        sample = spread(term.sizes, working.terms[i])[0]
-        magnitude = np.sqrt(np.bincount(sample, weights=answer.y[i] ** 2, minlength=len(working.terms[i])))
-        held = np.bincount(working.terms[i] % count, weights=magnitude, minlength=count)
-    else:
-        squares = term.magnitudes(term.residual(answer.theta)) ** (2 if term.norm == "rms" else 1)
-        held = term.weight @ squares
-    return held / max(held.sum(), 1e-300)
+    return float((magnitude / weight).max(initial=0.0))

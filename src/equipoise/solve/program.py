@@ -8,10 +8,12 @@ from typing import Literal
 
 import numpy as np
 
-from equipoise.affine import Array, Indices, Unknown
+from equipoise.affine import Array, Indices, Unknown, magnitudes
 
 Norm = Literal["rms", "peak", "mean"]
 NORMS: tuple[Norm, ...] = ("rms", "peak", "mean")
+NEGLIGIBLE = 1e-6
+"""A constant residual this small beside what the limits call up does not set the scale."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +48,7 @@ class Term:
 
     def magnitudes(self, r: Array) -> Array:
         """Block norms (N, B) of a residual (N, R)."""
-        if all(size == 1 for size in self.sizes):
-            return np.abs(r)
-        starts = np.cumsum((0, *self.sizes[:-1]))
-        return np.sqrt(np.add.reduceat(r * r, starts, axis=-1))
+        return magnitudes(r, self.sizes)
 
     def value(self, theta: Array) -> float:
         """The norm at theta, without the factor."""
@@ -108,21 +107,34 @@ class Program:
         """Units (P,) in which every unknown moves the residuals, or else the limits, about equally."""
         size = np.zeros(len(self.unknowns))
         for term in self.terms:
-            load = float(np.sqrt((term.b**2).mean()))
-            if load > 0:
-                size = np.maximum(size, np.sqrt((term.A**2).mean(axis=(0, 1))) / load)
+            load, slope = float(np.sqrt((term.b**2).mean())), np.sqrt((term.A**2).mean(axis=(0, 1)))
+            if load > NEGLIGIBLE * self._called_up(slope):
+                size = np.maximum(size, slope / load)
         for rows in self.rows:
             if rows.h.size:
                 size = np.where(size > 0, size, np.abs(rows.G).max(axis=0) / rows.scale)
         return 1.0 / np.where(size > 0, size, 1.0)
 
+    def _called_up(self, slope: Array) -> float:
+        """Residual that the limits ask for where zero does not keep them, through the cheapest unknown of each row."""
+        found = 0.0
+        for rows in self.rows:
+            wanting = rows.h < 0
+            if wanting.any() and rows.G.shape[-1]:
+                reach = np.abs(rows.G[wanting])
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    price = np.where(reach > 0, -rows.h[wanting][:, None] * slope / reach, np.inf).min(axis=1)
+                found = max(found, float(price[np.isfinite(price)].max(initial=0.0)))
+        return found
+
     @cached_property
     def loads(self) -> tuple[float, ...]:
         """What each term's residual is measured by: its largest constant, or what scaled unknowns make of it."""
-        return tuple(
-            float(np.abs(t.b).max(initial=0.0)) or float(np.abs(t.A * self.scale).max(initial=0.0)) or 1.0
-            for t in self.terms
-        )
+        found = []
+        for term in self.terms:
+            constant, moved = (float(np.abs(part).max(initial=0.0)) for part in (term.b, term.A * self.scale))
+            found.append((constant if constant > NEGLIGIBLE * moved else moved) or 1.0)
+        return tuple(found)
 
     @property
     def lower(self) -> Array:

@@ -56,10 +56,15 @@ class Optima:
 
     @property
     def distinct(self) -> int:
-        """How many different merit values the starts ended in, to 0.01 % of the best and worst."""
-        merits = np.array([local.merit for local in self.found])
-        scale = max(float(np.abs(merits).max()), 1e-300)
-        return 1 + int((np.diff(np.sort(merits)) > 1e-4 * scale).sum())
+        """How many different optima the starts ended in."""
+        return distinct(self.found)
+
+
+def distinct(found: Sequence[Local]) -> int:
+    """How many different merit values there are, to 0.01 % of the largest."""
+    merits = np.array([local.merit for local in found])
+    scale = max(float(np.abs(merits).max()), 1e-300)
+    return 1 + int((np.diff(np.sort(merits)) > 1e-4 * scale).sum())
 
 
 @dataclass(frozen=True, eq=False)

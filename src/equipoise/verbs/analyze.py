@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, magnitudes
+from equipoise.assemble import Balancer, effort
 from equipoise.design import Row
 from equipoise.mechanism import Mechanism
+from equipoise.objective import goal_blocks
 from equipoise.peaks import polish
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -79,26 +81,53 @@ def _reason(joint: str, rows: dict[str, Row]) -> str:
     return ""
 
 
-def table(mechanism: Mechanism, sweep: Sweep, states: States, residual: Array, evaluate: Evaluate) -> dict[str, Row]:
-    """Rows of a residual (N, nd): norms over the sweep's weights, peaks polished with evaluate(states) -> (N, nd)."""
+def table(
+    mechanism: Mechanism, sweep: Sweep, states: States, residual: Array, evaluate: Evaluate, goal: str = "hold"
+) -> dict[str, Row]:
+    """A row per block of a goal's residual (N, R): norms over the sweep's weights, peaks polished.
+
+    evaluate(states) -> (N, R) answers the residual at other states.
+    """
     weight = states.weight / states.weight.sum()
-    limits = mechanism.motor_limits
-    magnitude = np.abs(residual).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    peaks = polish(lambda poses: worst(mechanism, sweep, poses, evaluate), sweep.poses, magnitude, sweep.box)
+    limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True)) if goal == "hold" else {}
+    blocks = goal_blocks(mechanism, goal)
+    sizes = tuple(block.size for block in blocks)
+    size = magnitudes(residual, sizes)
+    sampled = size.reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
+    peaks = polish(lambda poses: worst(mechanism, sweep, poses, evaluate, sizes), sweep.poses, sampled, sweep.box)
     return {
-        joint: Row(
+        block.name: Row(
             peak=float(peaks.value[i]),
             sample_peak=float(peaks.sample[i]),
-            rms=float(np.sqrt(weight @ residual[:, i] ** 2)),
-            mean=float(weight @ np.abs(residual[:, i])),
-            unit=mechanism.driven_units[i],
-            limit=float(limits[i]) if np.isfinite(limits[i]) else None,
+            rms=float(np.sqrt(weight @ size[:, i] ** 2)),
+            mean=float(weight @ size[:, i]),
+            unit=block.unit,
+            limit=float(limits[block.name]) if np.isfinite(limits.get(block.name, np.inf)) else None,
         )
-        for i, joint in enumerate(mechanism.driven)
+        for i, block in enumerate(blocks)
     }
 
 
-def worst(mechanism: Mechanism, sweep: Sweep, poses: Array, evaluate: Evaluate) -> Array:
-    """Magnitudes (M, nd) at poses (M, nd), the worst over the payload scenarios."""
+def tables(
+    mechanism: Mechanism,
+    sweep: Sweep,
+    states: States,
+    balancers: Sequence[Balancer],
+    theta: Array,
+    goals: Sequence[str],
+) -> dict[str, Row]:
+    """The rows of several goals, with balancers at given values."""
+    found: dict[str, Row] = {}
+    for goal in goals:
+
+        def evaluate(other: States, goal: str = goal) -> Array:
+            return effort(mechanism, balancers, other, goal).at(theta)
+
+        found |= table(mechanism, sweep, states, evaluate(states), evaluate, goal)
+    return found
+
+
+def worst(mechanism: Mechanism, sweep: Sweep, poses: Array, evaluate: Evaluate, sizes: Sequence[int]) -> Array:
+    """Magnitudes (M, B) of blocks of the given sizes at poses (M, nd), the worst over the payload scenarios."""
     states = mechanism.states(sweep.at_poses(poses))
-    return np.abs(evaluate(states)).reshape(len(sweep.scenarios), len(poses), -1).max(axis=0)
+    return magnitudes(evaluate(states), sizes).reshape(len(sweep.scenarios), len(poses), -1).max(axis=0)

@@ -7,21 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array, Unknown
+from equipoise.affine import Array, Unknown, magnitudes
 from equipoise.assemble import Balancer, build, check, effort, thrift
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import InfeasibleError, InputError
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
-from equipoise.objective import Aim, as_objective
+from equipoise.objective import Aim, as_objective, goals_of
 from equipoise.peaks import polish
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.verbs.analyze import table, worst
+from equipoise.verbs.analyze import tables, worst
 
 EXACT = 1e-9
+FLOOR = 1e-6
 ROUNDS = 12
 BETWEEN = 1e-7
 
@@ -51,9 +52,9 @@ class Balanced:
     solution: Solution
     refined: int
 
-    def residual(self, states: States) -> Array:
-        """Holding effort (N, nd) with the solution's values, at any states."""
-        return effort(self.task.mechanism, self.task.balancers, states).at(self.solution.theta)
+    def residual(self, states: States, goal: str = "hold") -> Array:
+        """A goal's residual (N, R) with the solution's values, at any states; of `hold` (N, nd)."""
+        return effort(self.task.mechanism, self.task.balancers, states, goal).at(self.solution.theta)
 
 
 def balance(
@@ -166,15 +167,19 @@ def _between(task: Task, states: States, program: Program, solution: Solution) -
     aims = [aim for aim in task.objective if aim.cap is None]
     if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak":
         return np.zeros((0, states.driven.shape[1]))
-    columns = [task.mechanism.driven.index(joint) for joint in aims[0].counted(task.mechanism)]
-    scale = aims[0].scales(task.mechanism)
+    columns, scale = aims[0].columns(task.mechanism)
+    sizes = tuple(block.size for block in aims[0].blocks(task.mechanism))
 
     def residual(other: States) -> Array:
-        return effort(task.mechanism, task.balancers, other).at(solution.theta)[:, columns] * scale
+        return effort(task.mechanism, task.balancers, other, aims[0].goal).at(solution.theta)[:, columns] * scale
 
-    sampled = np.abs(residual(states)).reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
+    size = magnitudes(residual(states), sizes)
+    sampled = size.reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
     peaks = polish(
-        lambda poses: worst(task.mechanism, task.sweep, poses, residual), task.sweep.poses, sampled, task.sweep.box
+        lambda poses: worst(task.mechanism, task.sweep, poses, residual, sizes),
+        task.sweep.poses,
+        sampled,
+        task.sweep.box,
     )
     level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
     load = max(float(np.abs(term.b).max()) for term in program.terms)
@@ -191,8 +196,9 @@ def finish(
 ) -> Design:
     """Put a solved task into words and tables."""
     task, states, unknowns = balanced.task, balanced.states, balanced.program.unknowns
-    before = table(task.mechanism, task.sweep, states, states.holding, lambda other: other.holding)
-    after = table(task.mechanism, task.sweep, states, balanced.residual(states), balanced.residual)
+    goals = goals_of(task.objective)
+    before = tables(task.mechanism, task.sweep, states, (), np.zeros(0), goals)
+    after = tables(task.mechanism, task.sweep, states, task.balancers, balanced.solution.theta, goals)
     return Design(
         mechanism=task.mechanism,
         balancers=task.balancers,
@@ -241,10 +247,12 @@ def is_exact(balanced: Balanced) -> bool:
         return True
     box = task.sweep.box
     poses = box[:, 0] + np.random.default_rng(0).random((256, len(box))) * (box[:, 1] - box[:, 0])
-    other = balanced.residual(task.mechanism.states(task.sweep.at_poses(poses)))
-    columns = [task.mechanism.driven.index(joint) for aim in task.objective for joint in aim.counted(task.mechanism)]
-    scale = np.concatenate([aim.scales(task.mechanism) for aim in task.objective])
-    return bool(np.abs(other[:, columns] * scale).max() <= EXACT * load)
+    other = task.mechanism.states(task.sweep.at_poses(poses))
+    worst_left = 0.0
+    for aim in task.objective:
+        columns, scale = aim.columns(task.mechanism)
+        worst_left = max(worst_left, float(np.abs(balanced.residual(other, aim.goal)[:, columns] * scale).max()))
+    return worst_left <= EXACT * load
 
 
 def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Active, ...]:
@@ -268,20 +276,20 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
 
 
 def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...]:
-    """Joints that hold the peak up although nothing that may change, by `sizes` (P,), reaches them."""
+    """Joints whose torque is the peak, although nothing that may change, by `sizes` (P,), reaches them."""
     term = next(term for term in program.terms if term.cap is None)
     mine = next(term for term in balanced.program.terms if term.cap is None)
     aim = next(aim for aim in balanced.task.objective if aim.cap is None)
     load = max(balanced.program.loads)
     if term.norm != "peak" or balanced.solution.objective <= EXACT * load:
         return ()
-    reach = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
-    share = balanced.solution.prices.share[mine.name]
-    if not balanced.program.unknowns:
-        share = mine.magnitudes(mine.b).max(axis=0) >= balanced.solution.objective * (1 - 1e-9)
+    rows = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
+    reach = np.maximum.reduceat(rows, np.cumsum((0, *term.sizes[:-1])))
     joints = aim.counted(balanced.task.mechanism)
+    largest = mine.magnitudes(mine.residual(balanced.solution.theta)).max(axis=0)
+    held = largest >= balanced.solution.objective * (1 - FLOOR)
     return tuple(
-        joint for joint, part, moved in zip(joints, share, reach, strict=True) if part > 0.05 and moved <= EXACT * load
+        joint for joint, high, moved in zip(joints, held, reach, strict=True) if high and moved <= EXACT * load
     )
 
 

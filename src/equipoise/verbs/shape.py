@@ -8,15 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from equipoise.affine import Array, Geometry
-from equipoise.assemble import Balancer, thrift
+from equipoise.assemble import Balancer, effort, thrift
 from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
 from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.solve.exchange import solve
 from equipoise.solve.program import Norm, Program
-from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, linearise, screen, spread_out
+from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, distinct, linearise, screen, spread_out
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
@@ -24,7 +25,7 @@ from equipoise.verbs.balance import Balanced, Task, certify, finish, floors, set
 
 COARSE = 400
 PER_START = 24
-AGREE = 6
+REFINED = 4
 
 Progress = Callable[[int, int, float], None]
 
@@ -64,9 +65,9 @@ def shape(
 
     free maps parameter names such as `s1.path.line.0.z` to (low, high), SI. Geometries are screened with the
     exact least-squares inner solution, the best and farthest apart become starts, each descends by sequential
-    convex programming on few states until six of them agree on the best value, the best finish on all. The same
-    seed gives the same design; progress is called with (starts done, starts, best value). Ctrl-C ends the search
-    with the best design so far.
+    convex programming on few states until it is unlikely that an optimum is still unseen, the best finish on all.
+    The same seed gives the same design; progress is called with (starts done, starts, best value). Ctrl-C ends
+    the search with the best design so far.
     """
     if not free:
         raise InputError("no geometry is free", where="shape", hint="name parameters with bounds, or use balance")
@@ -83,8 +84,14 @@ def shape(
         settle(search.at(optima.best.gamma))
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
     search, best = _refine(search, optima.best, load)
-    best = _spare(search, best, load)
-    balanced = settle(search.at(best.gamma))
+    rounds = 0
+    while True:
+        best, rounds = _spare(search, best, load), rounds + 1
+        balanced = settle(search.at(best.gamma))
+        if not balanced.refined or rounds == REFINED:
+            break
+        # What saves energy may raise the torque between the samples.
+        search, best = _refine(replace(search, task=balanced.task), best, load)
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
 
 
@@ -103,10 +110,12 @@ def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, floa
 
 def load_of(task: Task, states: States) -> float:
     """The objective of the bare mechanism, which makes tolerances and penalties relative."""
-    bare = task.mechanism.effort(states, "hold")
     load = sum(
         term.factor * term.value(np.zeros(0))
-        for term in (aim.term(task.mechanism, bare, states.weight) for aim in task.objective)
+        for term in (
+            aim.term(task.mechanism, effort(task.mechanism, (), states, aim.goal), states.weight)
+            for aim in task.objective
+        )
         if term.cap is None
     )
     if not load > 0:
@@ -132,7 +141,7 @@ def _descend_all(
             found.append(descend(coarse, search.freedoms, gamma, load, precision=1e-7 if few is not states else 1e-9))
             if progress:
                 progress(done, len(begin), min(local.merit for local in found))
-            if _settled(found, load):
+            if _settled(found):
                 break
     except KeyboardInterrupt:
         if not found:
@@ -146,10 +155,14 @@ def _descend_all(
     return Optima(tuple(found), seed)
 
 
-def _settled(found: list[Local], load: float) -> bool:
-    """Whether enough starts have ended in the best value so far that more would teach nothing."""
-    best = min(local.merit for local in found)
-    return sum(local.merit <= best * (1 + 1e-4) + 1e-7 * load for local in found) >= AGREE
+def _settled(found: list[Local]) -> bool:
+    """Whether the starts so far make it unlikely that an optimum is still unseen.
+
+    n starts that ended in w optima let expect w (n - 1) / (n - w - 2) of them in all (Boender and Rinnooy Kan,
+    unsourced); the search ends when that is less than half an optimum more than were seen.
+    """
+    n, w = len(found), distinct(found)
+    return n > w + 2 and w * (n - 1) / (n - w - 2) < w + 0.5
 
 
 def _distinct(found: list[Local], freedoms: Sequence[Freedom], count: int) -> list[Local]:
@@ -187,7 +200,7 @@ def _present(search: _Search) -> Array | None:
 
 def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local]:
     """Add the poses between the samples that exceed the peak, and descend again, until none does."""
-    for _ in range(4):
+    for _ in range(REFINED):
         balanced = settle(search.at(best.gamma))
         if not balanced.refined:
             break
@@ -209,13 +222,15 @@ def _spare(search: _Search, best: Local, load: float) -> Local:
         return thrift(plain(gamma), candidates(search.task.balancers, names, gamma), states, value)
 
     start = lean(best.gamma[None]).take(0)
-    stored = start.terms[0].value(best.solution.theta)
+    present = solve(plain(best.gamma[None]).take(0))
+    stored = start.terms[0].value(present.theta)
     if not stored > 0:
         return best
     thrifty = descend(lean, search.freedoms, best.gamma, stored, radius=0.1, iterations=30, precision=1e-5)
-    if thrifty.excess > 1e-6 or thrifty.solution.objective > 0.99 * stored:
+    worth = thrifty.solution.objective <= 0.99 * stored or present.objective > value
+    if thrifty.excess > 1e-6 or not worth:
         return best
-    return replace(best, gamma=thrifty.gamma, solution=thrifty.solution)
+    return replace(best, gamma=thrifty.gamma)
 
 
 def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:

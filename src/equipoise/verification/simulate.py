@@ -85,6 +85,11 @@ def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
     if sweep.box is not None:
         poses = sweep.box[:, 0] + rng.random((count, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
         tries.append((poses, f"{count} random poses in the sweep's box"))
+    if sweep.finer is not None:
+        inside = sweep.finer()
+        poses = inside.poses[inside.weight > 0]
+        poses = poses[rng.permutation(len(poses))[:count]]
+        tries.insert(0, (poses, f"{len(poses)} other poses of the sweep's region"))
     limits = np.where(np.isnan(mechanism.box), [-np.inf, np.inf], mechanism.box)
     near = sweep.poses[rng.integers(len(sweep.poses), size=count)]
     near = near + JITTER * np.ptp(sweep.poses, axis=0) * rng.standard_normal(near.shape)

@@ -1,13 +1,16 @@
-"""Paths: how a spring's length follows the mechanism."""
+"""The straight line between two points."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import mujoco
 import numpy as np
 
 from equipoise.affine import Array
+from equipoise.balancers.paths.bodies import add_site
+from equipoise.balancers.paths.path import Path, Sketch
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism, Point
@@ -15,7 +18,7 @@ from equipoise.states import States
 
 
 @dataclass(frozen=True)
-class Line:
+class Line(Path):
     """A straight line between two points of two bodies.
 
     l = |p_a - p_b|, dl/dq = (p_a - p_b) . (J_a - J_b) / l; l in m, dl/dq (N, nd) in m/rad or m/m.
@@ -24,6 +27,7 @@ class Line:
 
     a: Point
     b: Point
+    straight: ClassVar[bool] = True
 
     def deform(self, states: States) -> tuple[Array, Array]:
         """Length l (..., N) and its derivative dl/dq_driven (..., N, nd).
@@ -58,16 +62,9 @@ class Line:
         """Add the path to a model as a spatial tendon between two sites."""
         tendon = spec.add_tendon(name=name)
         for side, point in (("a", self.a), ("b", self.b)):
-            site = add_site(spec, point, f"{name}_{side}")
-            tendon.wrap_site(site.name)
+            tendon.wrap_site(add_site(spec, point, f"{name}_{side}").name)
         return tendon
 
-
-Path = Line
-
-
-def add_site(spec: mujoco.MjSpec, point: Point, name: str) -> mujoco.MjsSite:
-    """Add a named site at a point of a body."""
-    site = spec.body(point.body).add_site(name=name)
-    site.pos = [float(value) for value in point.at]
-    return site
+    def sketch(self, states: States, row: int) -> Sketch:
+        """The spring between its two ends."""
+        return Sketch(spring=np.stack([states.point(point)[0][row] for point in (self.a, self.b)]))

@@ -1,0 +1,40 @@
+"""Paths: how a deformation follows the mechanism, one class per file."""
+
+from equipoise.balancers.paths.absolute import Absolute
+from equipoise.balancers.paths.angle import Angle
+from equipoise.balancers.paths.cable import Cable
+from equipoise.balancers.paths.cam import Cam
+from equipoise.balancers.paths.drum import Drum
+from equipoise.balancers.paths.gear import Gear
+from equipoise.balancers.paths.inverted_slider_crank import InvertedSliderCrank
+from equipoise.balancers.paths.line import Line
+from equipoise.balancers.paths.mount import Mount
+from equipoise.balancers.paths.path import Need, Path, Place, Sketch
+from equipoise.balancers.paths.profile import Profile
+from equipoise.balancers.paths.pulley import Pulley
+from equipoise.balancers.paths.reel import Reel
+from equipoise.balancers.paths.scotch_yoke import ScotchYoke
+from equipoise.balancers.paths.slider_crank import SliderCrank
+from equipoise.balancers.paths.turn import Turn
+
+__all__ = [
+    "Absolute",
+    "Angle",
+    "Cable",
+    "Cam",
+    "Drum",
+    "Gear",
+    "InvertedSliderCrank",
+    "Line",
+    "Mount",
+    "Need",
+    "Path",
+    "Place",
+    "Profile",
+    "Pulley",
+    "Reel",
+    "ScotchYoke",
+    "Sketch",
+    "SliderCrank",
+    "Turn",
+]

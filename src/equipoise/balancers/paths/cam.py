@@ -1,0 +1,94 @@
+"""A cam with a follower."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.balancers.paths import bodies
+from equipoise.balancers.paths.driven import Driven
+from equipoise.balancers.paths.mount import Mount
+from equipoise.balancers.paths.path import Place, Sketch
+from equipoise.balancers.paths.profile import Profile
+from equipoise.balancers.paths.turn import Turn
+from equipoise.states import States
+from equipoise.units import Angle, Length, Mass, Number
+
+OUTLINE = 97
+
+
+@dataclass(frozen=True)
+class Cam(Driven):
+    """A cam that an angle turns, with a follower that slides along the mount's direction.
+
+        l = offset + scale lift(u + phase)
+
+    input gives u, rad; profile the lift by angle, m; scale stretches it, offset is in m. follower_mass rides on the
+    follower, kg.
+    """
+
+    input: Turn
+    profile: Profile
+    phase: Angle = 0.0
+    offset: Length = 0.0
+    scale: Number = 1.0
+    mount: Mount | None = None
+    follower_mass: Mass = 0.0
+
+    def curve(self, u: Any) -> tuple[Any, Any]:
+        """The follower's place and its derivative."""
+        lift, slope = self.profile(u)
+        return self.offset + self.scale * lift, self.scale * slope
+
+    def ends(self) -> tuple[tuple[Place, float], ...]:
+        """The follower, and the frame at l = 0."""
+        return ((self.spot(self._follower, "follower"), 0.5), (self.fixed(0.0, 0.0), 0.5))
+
+    def weights(self) -> tuple[tuple[Place, Any], ...]:
+        """The follower."""
+        return ((self.spot(self._follower, "follower"), self.follower_mass),)
+
+    def _follower(self, u: Any) -> Any:
+        length, slope = self.curve(u)
+        return (length, 0.0 * length), (slope, 0.0 * slope)
+
+    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+        """Cam and follower; the file's coupling is the quartic nearest to the profile over its own range."""
+        frame, _ = self.drive(spec, name, 0.02)
+        follower = bodies.add_body(frame, f"{name}_follower", bodies.mass(self.follower_mass))
+        bodies.add_joint(follower, f"{name}_follower", axis=bodies.SLIDING, slide=True)
+        at = np.linspace(self.profile.angles[0], self.profile.angles[-1], 400)
+        spec.add_equality(
+            name=f"{name}_lift",
+            type=mujoco.mjtEq.mjEQ_JOINT,
+            objtype=mujoco.mjtObj.mjOBJ_JOINT,
+            name1=f"{name}_follower",
+            name2=f"{name}_crank",
+        ).data[:5] = np.polynomial.Polynomial.fit(at, self.curve(at)[0], 4).convert().coef.tolist()
+        return bodies.read_joint(spec, name, f"{name}_follower")
+
+    def positions(self, states: States, name: str) -> dict[str, Array]:
+        """Cam angle and follower."""
+        u, _ = self.crank_angle(states)
+        return {f"{name}_crank": u, f"{name}_follower": self.curve(u)[0]}
+
+    def sketch(self, states: States, row: int) -> Sketch:
+        """The pitch curve of the in-line follower, and the spring beyond it."""
+        u = float(self.crank_angle(states)[0][row])
+        at = self.at(states.mechanism.model)
+        turns = u + np.linspace(0.0, 2 * np.pi, OUTLINE)
+        if self.profile.kind != "periodic":
+            turns = np.linspace(self.profile.angles[0], self.profile.angles[-1], OUTLINE)
+        radius = self.curve(turns)[0]
+        places = [(r * np.cos(u - t), r * np.sin(u - t)) for r, t in zip(radius, turns, strict=True)]
+        length = float(self.curve(u)[0])
+
+        def world(*where: tuple[float, float]) -> Array:
+            return np.stack([states.point(at.point(*place))[0][row] for place in where])
+
+        far = length + np.sign(length or 1.0) * 1.5 * max(float(np.abs(radius).max()), 1e-3)
+        return Sketch(spring=world((length, 0.0), (far, 0.0)), lines=(world(*places),))

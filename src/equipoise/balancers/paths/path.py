@@ -1,0 +1,99 @@
+"""What every path answers: how a deformation follows the mechanism, what it weighs, how it is built and drawn."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import mujoco
+
+from equipoise.affine import Array
+from equipoise.mechanism import Mechanism, Point
+from equipoise.states import Spot, States
+
+Place = Point | Spot
+
+
+@dataclass(frozen=True)
+class Moving:
+    """A spot said by two functions."""
+
+    where: Callable[[States], tuple[Array, Array]]
+    carrier: Callable[[mujoco.MjModel, str], Point]
+
+    def locate(self, states: States) -> tuple[Array, Array]:
+        """World position and Jacobian."""
+        return self.where(states)
+
+    def seat(self, model: mujoco.MjModel, name: str) -> Point:
+        """The point that carries the spot in a model."""
+        return self.carrier(model, name)
+
+
+@dataclass(frozen=True, eq=False)
+class Need:
+    """What a geometry must keep at every state: room (..., N) >= 0, in `unit`, of the size `scale`."""
+
+    limit: str
+    unit: str
+    room: Array
+    scale: float
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """How a path looks in one state: world coordinates, m.
+
+    spring (2, 3) are the ends of the spring itself; bars (P, 3) each are rigid members, lines (P, 3) each cables
+    and guides, discs are (centre (3,), radius, axis (3,)) of pulleys, cams and shafts.
+    """
+
+    spring: Array | None = None
+    bars: tuple[Array, ...] = ()
+    lines: tuple[Array, ...] = ()
+    discs: tuple[tuple[Array, float, Array], ...] = ()
+
+
+class Path(ABC):
+    """How a spring's deformation l follows the mechanism: l and dl/dq exact, in m or rad.
+
+    Numbers in a path may be complex or carry a leading candidate axis (C, 1); l and dl/dq follow.
+    """
+
+    unit: Literal["m", "rad"] = "m"
+    straight: ClassVar[bool] = False
+    """Whether l^2 is affine in (cos q, sin q) of every hinge, as for a straight line."""
+
+    @abstractmethod
+    def deform(self, states: States) -> tuple[Array, Array]:
+        """Deformation l (..., N), m or rad, and its derivative dl/dq_driven (..., N, nd)."""
+
+    @abstractmethod
+    def ends(self) -> tuple[tuple[Place, float], ...]:
+        """Places that carry the spring's own mass, with their shares."""
+
+    def weights(self) -> tuple[tuple[Place, Any], ...]:
+        """Places and masses, kg, of the path's own parts."""
+        return ()
+
+    @abstractmethod
+    def check(self, mechanism: Mechanism, name: str) -> None:
+        """Raise InputError where the path of spring `name` cannot act on the mechanism."""
+
+    def needs(self, states: States) -> tuple[Need, ...]:  # noqa: ARG002 - what others need depends on the states
+        """What the geometry must keep, for `shape` to hold; one geometry alone raises InputError where it does not."""
+        return ()
+
+    @abstractmethod
+    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+        """Add the path's parts to a model, and a tendon whose length is l."""
+
+    def positions(self, states: States, name: str) -> dict[str, Array]:  # noqa: ARG002
+        """Positions (N,) of the joints that `install` adds, by name: where the added loops are closed from."""
+        return {}
+
+    @abstractmethod
+    def sketch(self, states: States, row: int) -> Sketch:
+        """How the path looks in one state."""

@@ -1,0 +1,144 @@
+"""Cam profiles: a lift by angle, as a smooth spline."""
+
+from __future__ import annotations
+
+import csv
+import functools
+import math
+from dataclasses import dataclass
+from pathlib import Path as File
+from typing import Any, Literal
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.errors import InputError
+from equipoise.units import Angle, Length
+
+FULL = 2.0 * math.pi
+CLOSED = 1e-9
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A cam's lift by angle: a cubic spline through (angles, lifts) with two continuous derivatives.
+
+    angles rise, rad; lifts in m. `periodic`: the angles span one turn, the last lift repeats the first, and the
+    spline joins on. `clamped`: it starts and ends with slope 0, as a dwell would ask for. `free`: it starts and ends
+    as its neighbouring cubic does (not-a-knot). Beyond a profile that is not periodic there is no lift: InputError.
+    """
+
+    angles: tuple[Angle, ...]
+    lifts: tuple[Length, ...]
+    kind: Literal["periodic", "clamped", "free"] = "periodic"
+
+    def __post_init__(self) -> None:
+        where = "cam profile"
+        if len(self.angles) != len(self.lifts):
+            raise InputError(f"{len(self.angles)} angles and {len(self.lifts)} lifts", where=where)
+        if len(self.angles) < 4:
+            raise InputError(f"{len(self.angles)} points make no profile", where=where, hint="give at least 4")
+        steps = np.diff(self.angles)
+        if not (steps > 0).all():
+            worst = int(np.argmin(steps))
+            raise InputError(
+                f"the angles do not rise: {math.degrees(self.angles[worst]):.6g} deg is followed by "
+                f"{math.degrees(self.angles[worst + 1]):.6g} deg",
+                where=where,
+            )
+        if self.kind == "periodic":
+            span = self.angles[-1] - self.angles[0]
+            if abs(span - FULL) > 1e-6:
+                raise InputError(
+                    f"a periodic profile spans 360 deg, this one {math.degrees(span):.6g} deg",
+                    where=where,
+                    hint="close the turn, or say `kind: clamped`",
+                )
+            gap = abs(self.lifts[-1] - self.lifts[0])
+            if gap > CLOSED:
+                raise InputError(
+                    f"the last lift differs from the first by {gap * 1e3:.4g} mm, so the profile does not join on",
+                    where=where,
+                    hint="repeat the first lift at the end, or say `kind: clamped`",
+                )
+
+    @staticmethod
+    def csv(file: File, kind: Literal["periodic", "clamped", "free"] = "periodic") -> Profile:
+        """Read a profile from a CSV file of two columns: angle in deg, lift in mm; one heading line may lead."""
+        try:
+            with File(file).open(newline="", encoding="utf-8-sig") as stream:
+                rows = [row for row in csv.reader(stream) if row and not row[0].lstrip().startswith("#")]
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(f"the profile cannot be read: {error}", where=str(file)) from None
+        table = []
+        for number, row in enumerate(rows, 1):
+            try:
+                angle, lift = (float(cell) for cell in row[:2])
+            except ValueError:
+                if number == 1:
+                    continue
+                raise InputError(
+                    f"row {number} is {','.join(row)!r}, two numbers are needed",
+                    where=str(file),
+                    hint="columns are angle in deg and lift in mm",
+                ) from None
+            table.append((math.radians(angle), 1e-3 * lift))
+        angles, lifts = zip(*table, strict=True) if table else ((), ())
+        return Profile(angles, lifts, kind)
+
+    @staticmethod
+    def pitch(points: tuple[tuple[Length, Length], ...]) -> Profile:
+        """The profile of a closed pitch curve (x, y), m, about the shaft, for an in-line follower.
+
+        The follower's roller sits at the curve's radius: as the cam turns by u, lift(u) = rho(-u), with rho the
+        radius at the angle from the mount's direction at which the curve's point lies. Points go once round,
+        counter-clockwise, without repeating the first.
+        """
+        place = np.array(points, dtype=float)
+        if place.ndim != 2 or len(place) < 3:
+            raise InputError(f"{len(points)} points make no pitch curve", where="cam profile", hint="give at least 3")
+        radius, turn = np.hypot(*place.T), np.unwrap(np.arctan2(place[:, 1], place[:, 0]))
+        if not (np.diff(turn) > 0).all() or not turn[-1] - turn[0] < FULL:
+            raise InputError(
+                "the pitch curve does not go once round its shaft counter-clockwise",
+                where="cam profile",
+                hint="list the points in order; an in-line follower needs one radius per angle",
+            )
+        angles = np.append(-turn[::-1], -turn[-1] + FULL)
+        lifts = np.append(radius[::-1], radius[-1])
+        return Profile(tuple(angles.tolist()), tuple(lifts.tolist()))
+
+    def __call__(self, u: Any) -> tuple[Array, Array]:
+        """Lift and its derivative, m and m/rad, at angles u of any shape, real or complex."""
+        knots, table = _spline(self)
+        turned = u if self.kind != "periodic" else u - FULL * np.floor((np.real(u) - knots[0]) / FULL)
+        self._inside(turned)
+        piece = np.clip(np.searchsorted(knots, np.real(turned), side="right") - 1, 0, len(knots) - 2)
+        x = turned - knots[piece]
+        c3, c2, c1, c0 = (row[piece] for row in table)
+        return ((c3 * x + c2) * x + c1) * x + c0, (3 * c3 * x + 2 * c2) * x + c1
+
+    def _inside(self, u: Any) -> None:
+        low, high = self.angles[0], self.angles[-1]
+        out = np.maximum(low - np.real(u), np.real(u) - high)
+        if self.kind != "periodic" and np.any(out > 1e-9):
+            worst = float(np.ravel(np.real(u))[int(np.argmax(out))])
+            raise InputError(
+                f"the cam turns to {math.degrees(worst):.6g} deg, its profile runs from {math.degrees(low):.6g} to "
+                f"{math.degrees(high):.6g} deg",
+                where="cam profile",
+                hint="extend the profile, change the phase, or sweep less",
+            )
+
+
+@functools.lru_cache(maxsize=64)
+def _spline(profile: Profile) -> tuple[Array, Array]:
+    """Knots (K,) and coefficients (4, K - 1), highest power first."""
+    from scipy.interpolate import CubicSpline
+
+    knots, lifts = np.array(profile.angles, dtype=float), np.array(profile.lifts, dtype=float)
+    if profile.kind == "periodic":
+        lifts[-1] = lifts[0]
+    ends = {"periodic": "periodic", "clamped": "clamped", "free": "not-a-knot"}[profile.kind]
+    spline = CubicSpline(knots, lifts, bc_type=ends)
+    return knots, np.array(spline.c)

@@ -1,0 +1,186 @@
+"""A taut cable: straight runs between points and tangents, arcs around pulleys, exact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.errors import InputError
+
+PLANE = 1e-7
+"""How far, in lengths of a run, a cable may leave a pulley's plane: what the digits of a robot file leave."""
+
+LIFTED = -0.5 * np.pi
+"""Wraps below this are wraps of more than 270 degrees; between it and zero the cable has lifted off."""
+
+ARC = 13
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A place that a cable passes: position (..., N, 3) and Jacobian (..., N, 3, nd); a pulley's signed radius.
+
+    turn is the radius, positive where the cable turns counter-clockwise about normal (N, 3), zero for points.
+    """
+
+    position: Array
+    jacobian: Array
+    turn: Any = 0.0
+    normal: Array | None = None
+
+    @property
+    def wraps(self) -> bool:
+        """Whether the cable lies on a pulley here."""
+        return self.normal is not None and bool(np.any(np.real(self.turn)))
+
+
+@dataclass(frozen=True, eq=False)
+class Taut:
+    """A taut cable: length (..., N), rate dL/dq (..., N, nd), direction (..., N, M - 1, 3) of each run.
+
+    Where the cable has lifted off a pulley, the runs to both its sides have the direction of the whole.
+    """
+
+    nodes: list[Node]
+    length: Array
+    rate: Array
+    direction: Array
+    wrap: Array
+
+    def outline(self, row: int) -> Array:
+        """The cable in one state, (P, 3)."""
+        points = []
+        for index, node in enumerate(self.nodes):
+            centre = node.position[row]
+            if not node.wraps or np.real(self.wrap[row, index]) <= 0:
+                if not node.wraps:
+                    points.append(centre)
+                continue
+            assert node.normal is not None
+            sense = float(np.sign(node.turn))
+            start = -float(node.turn) * np.cross(node.normal[row], self.direction[row, index - 1])
+            side = np.cross(node.normal[row], start)
+            for share in np.linspace(0.0, 1.0, ARC):
+                angle = sense * share * float(self.wrap[row, index])
+                points.append(centre + np.cos(angle) * start + np.sin(angle) * side)
+        return np.stack(points)
+
+
+def taut(nodes: list[Node]) -> Taut:
+    """The cable through all nodes; raises InputError where it leaves a pulley's plane or starts inside one."""
+    shape = np.broadcast_shapes(*(node.position.shape[:-1] for node in nodes), *(np.shape(n.turn) for n in nodes))
+    kept = np.ones((*shape, len(nodes)), dtype=bool)
+    while True:
+        # Rows over which the same pulleys are touched go together.
+        found = None
+        patterns = np.unique(kept.reshape(-1, len(nodes)), axis=0)
+        for pattern in patterns:
+            part = _through(nodes, [int(i) for i in np.flatnonzero(pattern)], shape)
+            here = (kept == pattern).all(axis=-1)
+            found = part if found is None else tuple(_choose(here, p, f) for p, f in zip(part, found, strict=True))
+        assert found is not None
+        length, rate, direction, wrap = found
+        loose = np.where(kept, np.real(wrap), 0.0)
+        lifted = np.any(loose < 0, axis=-1, keepdims=True)
+        if not lifted.any():
+            return Taut(nodes, length, rate, direction, wrap)
+        worst = loose.argmin(axis=-1)
+        kept &= ~(lifted & (np.arange(len(nodes)) == worst[..., None]))
+
+
+def _choose(here: Array, one: Array, other: Array) -> Array:
+    return np.where(here.reshape(here.shape + (1,) * (one.ndim - here.ndim)), one, other)
+
+
+def _through(nodes: list[Node], index: list[int], shape: tuple[int, ...]) -> tuple[Array, Array, Array, Array]:
+    """Length, rate, direction per run of all nodes, and wrap per node, with the cable on some nodes only."""
+    runs = [_run(nodes[i], nodes[j]) for i, j in pairwise(index)]
+    length = sum(size for size, _ in runs)
+    rate = sum(
+        np.einsum("...i,...ij->...j", u, nodes[j].jacobian - nodes[i].jacobian)
+        for (_, u), (i, j) in zip(runs, pairwise(index), strict=True)
+    )
+    wrap = np.zeros((*shape, len(nodes)), dtype=np.result_type(*(size.dtype for size, _ in runs)))
+    for place, (before, after) in enumerate(pairwise(runs), 1):
+        node = nodes[index[place]]
+        if node.wraps:
+            angle = _turned(before[1], after[1], node)
+            wrap[..., index[place]] = angle
+            length = length + _size(node) * angle
+    ends = [next(k for k in range(len(runs)) if index[k + 1] > step) for step in range(len(nodes) - 1)]
+    wide = np.stack([np.broadcast_to(runs[k][1], (*shape, 3)) for k in ends], axis=-2)
+    joints = nodes[0].jacobian.shape[-1]
+    return np.broadcast_to(length, shape), np.broadcast_to(rate, (*shape, joints)), wide, wrap
+
+
+def _size(node: Node) -> Any:
+    return node.turn * np.sign(np.real(node.turn))
+
+
+def _run(a: Node, b: Node) -> tuple[Array, Array]:
+    """Length and direction of the straight run between two nodes: their common tangent."""
+    gap = b.position - a.position
+    if not a.wraps and not b.wraps:
+        length = np.sqrt((gap * gap).sum(-1))
+        return length, gap / np.where(length == 0, 1.0, length)[..., None]
+    normal = a.normal if a.wraps else b.normal
+    assert normal is not None
+    _in_plane(gap, normal)
+    turns = [a.turn, b.turn]
+    if a.wraps and b.wraps:
+        assert a.normal is not None
+        assert b.normal is not None
+        cosine = (a.normal * b.normal).sum(-1)
+        if (np.abs(np.abs(cosine) - 1.0) > PLANE).any():
+            raise InputError(
+                "two pulleys that follow each other have axes that are not parallel",
+                where="cable",
+                hint="put a guide (a pulley of radius 0) between them",
+            )
+        turns[1] = b.turn * np.sign(cosine)
+    step = turns[1] - turns[0]
+    square = (gap * gap).sum(-1)
+    free = square - step * step
+    if (np.real(free) <= 0).any():
+        raise InputError(
+            f"two places of the cable come within {np.sqrt(np.real(square).min()) * 1e3:.4g} mm, closer than the "
+            f"pulley's radius allows ({np.abs(np.real(step)).max() * 1e3:.4g} mm)",
+            where="cable",
+            hint="move the point away from the pulley, or make the pulley smaller",
+        )
+    length = np.sqrt(free)
+    left = np.cross(normal, gap)
+    return length, (length[..., None] * gap - np.asarray(step)[..., None] * left) / square[..., None]
+
+
+def _in_plane(gap: Array, normal: Array) -> None:
+    off = np.abs(np.real((gap * normal).sum(-1)))
+    if (off > PLANE * np.sqrt((np.real(gap) ** 2).sum(-1))).any():
+        raise InputError(
+            f"the cable leaves the plane of a pulley by {off.max() * 1e3:.4g} mm",
+            where="cable",
+            hint="keep neighbours in the pulley's plane, or lead the cable through an eye (a pulley of radius 0)",
+        )
+
+
+def _turned(before: Array, after: Array, node: Node) -> Array:
+    """The angle wrapped about a pulley, rad, in (-pi/2, 3 pi/2]."""
+    assert node.normal is not None
+    sense = np.sign(np.real(node.turn))
+    sine = sense * (np.cross(before, after) * node.normal).sum(-1)
+    cosine = (before * after).sum(-1)
+    angle = _arctan2(sine, cosine)
+    return angle + np.where(np.real(angle) <= LIFTED, 2 * np.pi, 0.0)
+
+
+def _arctan2(y: Any, x: Any) -> Any:
+    """arctan2 whose imaginary part is its derivative, as complex steps want it."""
+    angle = np.arctan2(np.real(y), np.real(x))
+    if not (np.iscomplexobj(y) or np.iscomplexobj(x)):
+        return angle
+    square = np.real(x) ** 2 + np.real(y) ** 2
+    return angle + 1j * (np.real(x) * np.imag(y) - np.real(y) * np.imag(x)) / square
