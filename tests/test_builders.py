@@ -11,6 +11,7 @@ from equipoise.errors import InputError
 from equipoise.loops import close_loops
 from equipoise.models.chain import Link, chain
 from equipoise.models.four_bar import crank_range, four_bar
+from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
@@ -233,3 +234,35 @@ def test_crank_range_ends_where_the_linkage_is_flat():
 def test_nonsense_is_refused_with_field_value_and_what_is_allowed(build, words):
     with pytest.raises(InputError, match=words):
         build()
+
+
+@pytest.mark.parametrize("table", ["winter", "de_leva_male"])
+@pytest.mark.parametrize(("mass", "height"), [(55.0, 1.6), (75.0, 1.75), (110.0, 1.95)])
+def test_a_leg_by_body_mass_and_stature(table, mass, height):
+    shares = {
+        "winter": (0.1, 0.245, 0.433, 0.061, 0.606 * 0.246),
+        "de_leva_male": (0.1416, 0.2425, 0.4095, 0.057, (0.0433 * 0.4459 * 0.2493 + 0.0137 * 0.2688) / 0.057),
+    }
+    a, l1, c1, b, c2 = shares[table]
+    leg = human_leg(mass, height, table)
+    q = RNG.uniform((-2, -2), (-0.6, 0), (30, 2))
+    torque, _, _ = hold(leg, q)
+    both = q.sum(axis=1)
+    knee = b * mass * G * c2 * height * np.cos(both)
+    thigh = (a * c1 + b) * l1 * mass * height * G * np.cos(q[:, 0])
+    assert torque == pytest.approx(np.stack([thigh + knee, knee], axis=1), abs=1e-9)
+    assert leg.mass == pytest.approx((a + b) * mass, rel=1e-9)
+
+
+def test_winters_foot_and_leg_are_the_sum_of_foot_and_leg():
+    """0.0465 at 0.433 and 0.0145 under the ankle make 0.061 at 0.606: the foot's centre lies 0.04 H below the ankle."""
+    below = (0.061 * 0.606 - 0.0465 * 0.433) / 0.0145 - 1
+    assert 0.246 * below == pytest.approx(0.039, abs=0.001)
+
+
+def test_a_leg_refuses_what_is_no_person():
+    for wrong in ((0.0, 1.7), (70.0, -1.0), (float("nan"), 1.7)):
+        with pytest.raises(InputError):
+            human_leg(*wrong)
+    with pytest.raises(InputError, match="table"):
+        human_leg(70.0, 1.7, "gray")

@@ -53,6 +53,24 @@ LAWS = {
     "coil_free_length_unknown": eq.Coil(free_length=None),
     "coil_all_unknown": eq.Coil(free_length=None, initial_tension=None),
     "constant": eq.Constant(),
+    "gas_push": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4),
+    "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
+    "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),
+    "gas_given": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, pressure=2e6, exponent=1.2, action="pull"),
+    "gas_real": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=eq.Nitrogen(at=17e6)),
+    "hydro_pneumatic": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=eq.Nitrogen(0.5, at=15e6)),
+    "hydro_pneumatic_gauge": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=1.3, action="pull", reading="gauge"),
+    "hydro_pneumatic_given": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, precharge=1e7),
+    "polynomial": eq.Polynomial((0.05, 1.6), degree=5),
+    "polynomial_given": eq.Polynomial((0.05, 1.6), degree=2, coefficients=(30.0, 8.0, -2.0)),
+}
+TORQUES = {
+    **{name: LAWS[name] for name in ("zero_free_length", "linear", "linear_preload_given", "constant")},
+    "torsion": eq.Torsion(),
+    "torsion_rest_unknown": eq.Torsion(rest=None),
+    "torsion_preload_unknown": eq.Torsion(rest=0.4, preload=None),
+    "torsion_given": eq.Torsion(k=3.0, rest=-0.2, preload=1.5),
+    "polynomial": eq.Polynomial((-9.0, 9.0), degree=4),
 }
 PATHS = {
     "to_world": lambda m: eq.Line(eq.Point("world", (0.1, 0.05, 0.6)), eq.Point(bodies(m)[0], (0.12, 0.01, 0.03))),
@@ -127,8 +145,13 @@ BALANCERS = {
     for path, p in PATHS.items()
     for law, w in LAWS.items()
     for mass, k in MASSES.items()
-    if mass == "massless" or law == "coil"
+    if mass == "massless" or law in ("coil", "gas_push")
 } | WEIGHTS
+BALANCERS |= {
+    f"{path}-{law}": (lambda m, p=p, w=w: eq.Spring("b", p(m), w, mass=0.4))
+    for path, p in ANGLES.items()
+    for law, w in TORQUES.items()
+}
 
 every = pytest.mark.parametrize(
     ("mechanism", "balancer"),
@@ -181,7 +204,7 @@ def test_efforts_add_up_and_units_agree(posed, mechanism, balancer):
     theta = np.linspace(1.0, 2.0, len(part.unknowns))
     np.testing.assert_allclose(total.at(theta), states.holding + alone.at(theta), atol=1e-10)
     assert [block.unit for block in alone.blocks] == list(mech.driven_units)
-    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "kg", "kg m"}
+    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "N m/rad", "N m", "kg", "kg m", "Pa"}
     assert part.effort(states, "storage").blocks[0].unit == "J"
 
 

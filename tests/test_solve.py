@@ -155,3 +155,13 @@ def test_columns_of_very_different_size_are_scaled():
     (term,) = program.terms
     skewed = replace(program, terms=(replace(term, A=term.A * squeeze),))
     assert solve(skewed).objective == pytest.approx(solve(program).objective, rel=1e-8)
+
+
+def test_a_cap_binds_a_program_that_has_nothing_to_find():
+    """Thrift caps the objective of a fixed geometry; an elastic program without unknowns must say by how much."""
+    saving = Term("energy", "peak", np.array([[2.0]]), np.zeros((1, 1, 0)), np.ones(1), (1,))
+    kept = Term("residual", "peak", np.array([[3.0]]), np.zeros((1, 1, 0)), np.ones(1), (1,), cap=2.0)
+    found = solve(Program((), (saving, kept)), elastic=10.0)
+    assert found.excess == pytest.approx(0.5, rel=1e-6)
+    with pytest.raises(InfeasibleError):
+        solve(Program((), (saving, kept)))

@@ -39,6 +39,11 @@ _HOME = {
     "ZeroFreeLength": "balancers.laws",
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
+    "Gas": "balancers.laws",
+    "HydroPneumatic": "balancers.laws",
+    "Nitrogen": "balancers.laws",
+    "Torsion": "balancers.laws",
+    "Polynomial": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
     "Force": "limits",
@@ -55,6 +60,7 @@ _HOME = {
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
+    "human_leg": "models.human_leg",
     "slider_crank": "models.slider_crank",
     "cable_platform": "models.cable_platform",
     "caspr": "models.caspr",
@@ -95,7 +101,9 @@ __all__ = [
     "EquipoiseError",
     "ExactAt",
     "Force",
+    "Gas",
     "Gear",
+    "HydroPneumatic",
     "InfeasibleError",
     "InputError",
     "InvertedSliderCrank",
@@ -108,9 +116,11 @@ __all__ = [
     "Mechanism",
     "ModelError",
     "Mount",
+    "Nitrogen",
     "Payload",
     "Platform",
     "Point",
+    "Polynomial",
     "Problem",
     "ProblemError",
     "Profile",
@@ -124,6 +134,7 @@ __all__ = [
     "Stiffness",
     "Stroke",
     "Sweep",
+    "Torsion",
     "Unknown",
     "WireMass",
     "ZeroFreeLength",
@@ -135,6 +146,7 @@ __all__ = [
     "chain",
     "four_bar",
     "geometry_map",
+    "human_leg",
     "load_problem",
     "parallelogram_arm",
     "parallelogram_robot",
@@ -161,7 +173,18 @@ def __dir__() -> list[str]:
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
-    from equipoise.balancers.laws import Coil, Constant, Linear, WireMass, ZeroFreeLength
+    from equipoise.balancers.laws import (
+        Coil,
+        Constant,
+        Gas,
+        HydroPneumatic,
+        Linear,
+        Nitrogen,
+        Polynomial,
+        Torsion,
+        WireMass,
+        ZeroFreeLength,
+    )
     from equipoise.balancers.paths import (
         Absolute,
         Angle,
@@ -196,6 +219,7 @@ if TYPE_CHECKING:
     from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
     from equipoise.models.four_bar import four_bar
+    from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank

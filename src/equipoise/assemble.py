@@ -77,7 +77,13 @@ def build(
     objective: Sequence[Aim],
     limits: Sequence[Limit] = (),
 ) -> Program:
-    """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry."""
+    """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry.
+
+    Raises InputError where a length of the states leaves the span of a spring's law; candidates get limits instead.
+    """
+    for balancer in balancers:
+        if isinstance(balancer, Spring):
+            balancer.check_span(states)
     efforts = {goal: effort(mechanism, balancers, states, goal) for goal in dict.fromkeys(a.goal for a in objective)}
     unknowns = next(iter(efforts.values())).unknowns
 

@@ -39,6 +39,8 @@ def check(problem: Problem) -> None:
         ):
             with problem.at("balancers", index):
                 _moves(balancer, states)
+                if not any(name.startswith(f"{balancer.name}.law") for name in problem.bounds):
+                    balancer.check_span(states)
 
     def hold_at(poses: Array) -> Affine:
         return assemble.effort(mechanism, balancers, mechanism.states(few.at_poses(poses)))

@@ -192,15 +192,20 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     model = design.mechanism.model
     places = [place for place, _ in spring.path.ends()]
     ends = [place if isinstance(place, Point) else place.seat(model, spring.name) for place in places]
-    stored = spring.effort(design.states, "storage")
-    energy = stored.at(np.array([design.values[unknown.name] for unknown in stored.unknowns]))[:, 0]
+    storage = spring.effort(design.states, "storage")
+    energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
+    stored = spring.stored(design.values, design.states)
+    parameters = spring.parameters(design.values)
+    units = spring.law.parameter_units(spring.path.unit)
     return {
         "name": spring.name,
         "kind": "spring",
         "law": type(spring.law).__name__,
         "path": type(spring.path).__name__,
         "unit": spring.path.unit,
-        "parameters": spring.parameters(design.values),
+        "parameters": parameters,
+        "units": {name: units[name] for name in parameters},
+        "stored": {"exact": stored.exact, "error": stored.error},
         "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],
         "stroke": float(length.max() - length.min()),

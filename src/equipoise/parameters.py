@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import functools
 import re
-import typing
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Point
-from equipoise.units import Quantity
+from equipoise.units import along_path, unit_marks
 
 AXES = {"x": 0, "y": 1, "z": 2}
 Item = TypeVar("Item", bound=Any)
@@ -56,15 +55,7 @@ def unit_of(balancers: Sequence[Item], name: str) -> str:
     parent = _walk(balancer, keys[:-1], name)
     if not is_dataclass(parent) or isinstance(parent, Point):
         return "m"
-    hints = typing.get_type_hints(type(parent), include_extras=True)
-    return next((part.unit for part in _flatten(hints.get(keys[-1])) if isinstance(part, Quantity)), "")
-
-
-def _flatten(hint: Any) -> list[Any]:
-    parts = list(getattr(hint, "__metadata__", ()))
-    for inner in getattr(hint, "__args__", ()):
-        parts += _flatten(inner)
-    return parts
+    return along_path(unit_marks(type(parent)).get(keys[-1], ""), getattr(getattr(balancer, "path", None), "unit", "m"))
 
 
 def _start(balancers: Sequence[Item], name: str) -> tuple[Item, list[str]]:
@@ -128,4 +119,4 @@ def _replace(item: Any, keys: Sequence[str], value: Any, name: str) -> Any:
         entries[AXES.get(key, int(key) if key.isdigit() else 0)] = changed
         return tuple(entries)
     field = [f.name for f in fields(item)][int(key)] if key.isdigit() else key
-    return replace(typing.cast(Any, item), **{field: changed})
+    return replace(cast(Any, item), **{field: changed})

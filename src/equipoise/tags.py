@@ -6,7 +6,19 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from equipoise.balancers.counterweight import Counterweight
-from equipoise.balancers.laws import Coil, Constant, Law, Linear, WireMass, ZeroFreeLength
+from equipoise.balancers.laws import (
+    Coil,
+    Constant,
+    Gas,
+    HydroPneumatic,
+    Law,
+    Linear,
+    Nitrogen,
+    Polynomial,
+    Torsion,
+    WireMass,
+    ZeroFreeLength,
+)
 from equipoise.balancers.paths import (
     Absolute,
     Angle,
@@ -32,6 +44,7 @@ from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
 from equipoise.models.four_bar import four_bar
+from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
@@ -42,6 +55,7 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "chain": chain,
     "parallelogram_arm": parallelogram_arm,
     "parallelogram_robot": parallelogram_robot,
+    "human_leg": human_leg,
     "four_bar": four_bar,
     "slider_crank": slider_crank,
     "cable_platform": cable_platform,
@@ -77,7 +91,12 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "gas": Gas,
+    "hydro_pneumatic": HydroPneumatic,
+    "torsion": Torsion,
+    "polynomial": Polynomial,
 }
+EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
@@ -109,6 +128,7 @@ TURN = Family("angle", _members(TURNS))
 PROFILE = Family("profile", _members(PROFILES))
 PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
+EXPONENT = Family("exponent", _members(EXPONENTS))
 
 
 def family_of(hint: Any) -> Family | Form | None:
@@ -122,6 +142,7 @@ def family_of(hint: Any) -> Family | Form | None:
         (PROFILE, PROFILES),
         (PULLEY, PULLEYS),
         (MASS, MASSES),
+        (EXPONENT, EXPONENTS),
     ):
         if isinstance(hint, type) and hint in table.values():
             return family

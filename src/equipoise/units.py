@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import math
 import re
-from dataclasses import dataclass
+import typing
+from dataclasses import dataclass, fields
 from typing import Annotated, Any
 
 from equipoise.errors import InputError
@@ -28,7 +29,14 @@ Inertia = Annotated[float, Quantity("kg m^2")]
 Acceleration = Annotated[float, Quantity("m/s^2")]
 Pressure = Annotated[float, Quantity("Pa")]
 Density = Annotated[float, Quantity("kg/m^3")]
+Area = Annotated[float, Quantity("m^2")]
+Volume = Annotated[float, Quantity("m^3")]
+Temperature = Annotated[float, Quantity("K")]
+TorsionRate = Annotated[float, Quantity("N m/rad")]
 Number = Annotated[float, Quantity("")]
+Extent = Annotated[float, Quantity("m or rad")]
+Pull = Annotated[float, Quantity("N or N m")]
+Rate = Annotated[float, Quantity("N/m or N m/rad")]
 Joint = Annotated[float, Quantity("rad or m")]
 Effort = Annotated[float, Quantity("N m or N or ratio")]
 
@@ -103,6 +111,27 @@ def _parse(text: str, unit: str, where: str) -> float:
         where=where,
         hint=f"give it in {unit}, or as a bare number in SI" if unit else "give a bare number",
     )
+
+
+def unit_marks(cls: type) -> dict[str, str]:
+    """The units of a dataclass's quantities {field: unit}, from the types of its fields."""
+    hints = typing.get_type_hints(cls, include_extras=True)
+    marks = {field.name: _mark(hints[field.name]) for field in fields(cls)}
+    return {name: unit for name, unit in marks.items() if unit is not None}
+
+
+def _mark(hint: Any) -> str | None:
+    for part in (*getattr(hint, "__metadata__", ()), *getattr(hint, "__args__", ())):
+        unit = part.unit if isinstance(part, Quantity) else _mark(part)
+        if unit is not None:
+            return unit
+    return None
+
+
+def along_path(unit: str, along: str) -> str:
+    """Of a unit such as `N/m or N m/rad` the part that counts on a path in m (the first) or in rad (the last)."""
+    options = unit.split(" or ")
+    return options[0] if along == "m" else options[-1]
 
 
 def text(value: float, unit: str, digits: int = 4) -> str:

@@ -98,7 +98,7 @@ class Counterweight:
             where = where + np.array([values[f"{self.owner}.{axis}"] for axis in MOMENTS]) / mass
         return mass, where
 
-    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
+    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float], states: States) -> None:  # noqa: ARG002
         """Add the counterweight to a MuJoCo model as a body of its own."""
         mass, where = self.place(values)
         add_point_mass(spec, self.name, self.at.body, where, mass)

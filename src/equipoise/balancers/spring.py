@@ -10,13 +10,14 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
-from equipoise.balancers.laws import Law, WireMass
+from equipoise.balancers.laws import Law, Stored, WireMass
 from equipoise.balancers.paths import Path, Place
 from equipoise.balancers.paths.bodies import outline
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism, Point
+from equipoise.parameters import tag
 from equipoise.states import States
-from equipoise.units import Mass
+from equipoise.units import Mass, Measured, Number, along_path, unit_marks
 
 STORAGE = Block("stored energy", "J")
 
@@ -25,8 +26,10 @@ STORAGE = Block("stored energy", "J")
 class Spring:
     """A spring of one law on one path: effort f(l) dl/dq, energy E(l).
 
-    mass is the spring's own, kg, lumped half at each end (exact for zero free length), a number or a
-    WireMass that follows the rate; like names the spring whose unknowns this one shares.
+    mass is the spring's own, kg, a number or a WireMass that follows the rate. Its centre lies at the share mass_at
+    of the way from the path's first end to its last, and it acts as 1 - mass_at at the first and mass_at at the last:
+    half at each end by default, which is exact for zero free length. like names the spring whose unknowns this one
+    shares.
     """
 
     name: str
@@ -34,6 +37,7 @@ class Spring:
     law: Law
     mass: Mass | WireMass = 0.0
     like: str | None = None
+    mass_at: Number = 0.5
 
     @property
     def owner(self) -> str:
@@ -43,7 +47,7 @@ class Spring:
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
         """What the program must find for this spring."""
-        return self.law.unknowns(self.owner)
+        return self.law.unknowns(self.owner, self.path.unit)
 
     @property
     def own_mass(self) -> Any:
@@ -62,15 +66,64 @@ class Spring:
     @property
     def masses(self) -> tuple[tuple[Place, Any], ...]:
         """Places and masses, kg, of the spring's own mass, lumped, and of its path's parts."""
-        own = self.own_mass
-        shares = ((place, share * np.asarray(own)) for place, share in self.path.ends()) if np.any(own) else ()
-        return (*shares, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+        return (*self._lumped, *((place, mass) for place, mass in self.path.weights() if np.any(mass)))
+
+    @property
+    def _lumped(self) -> tuple[tuple[Place, Any], ...]:
+        own = np.asarray(self.own_mass)
+        if not np.any(own):
+            return ()
+        ends = [place for place, _ in self.path.ends()]
+        shares = (1 - self.mass_at, self.mass_at) if len(ends) > 1 else (1.0,)
+        return tuple((place, share * own) for place, share in zip(ends, shares, strict=True))
 
     def check(self, mechanism: Mechanism) -> None:
         """Raise InputError where the spring cannot act on the mechanism."""
+        where = f"spring {self.name}"
         self.path.check(mechanism, self.name)
+        self._check_units(where)
         if np.any(np.real(self.own_mass) < 0):
-            raise InputError(f"the mass of spring {self.name} is negative", where=f"spring {self.name}")
+            raise InputError(f"the mass of spring {self.name} is negative", where=where)
+        if np.isrealobj(self.mass_at) and not np.all(
+            (np.greater_equal(self.mass_at, 0)) & np.less_equal(self.mass_at, 1)
+        ):
+            raise InputError(
+                f"mass_at is {float(np.ravel(self.mass_at)[0]):g}, it must lie in 0..1",
+                where=where,
+                hint="0 is the path's first end, 1 its last, 0.5 the middle",
+            )
+
+    def _check_units(self, where: str) -> None:
+        unit, law = self.path.unit, tag(type(self.law))
+        if unit not in self.law.along:
+            other = "a length, in m" if unit == "rad" else "an angle, in rad"
+            raise InputError(
+                f"law {law} acts along {other}, the path answers {unit}",
+                where=where,
+                hint=f"laws for a path in {unit}: linear, zero_free_length, constant, polynomial"
+                + (", torsion; or wind a cable on a drum" if unit == "rad" else ", coil, gas"),
+            )
+        for name, mark in unit_marks(type(self.law)).items():
+            value, wanted = getattr(self.law, name), along_path(mark, unit)
+            for item in value if isinstance(value, tuple) else (value,):
+                if isinstance(item, Measured) and item.unit not in ("", wanted):
+                    raise InputError(f"law.{name} is in {item.unit}, on this path it must be in {wanted}", where=where)
+
+    def check_span(self, states: States) -> None:
+        """Raise InputError where a length of the states leaves the span in which the law holds; candidates may."""
+        if self.law.defined_beyond or self.law.span == (None, None):
+            return
+        length = self.path.deform(states)[0]
+        if length.ndim > 1 or np.iscomplexobj(length) or any(np.ndim(end) for end in self.law.span):
+            return
+        for bound, reached, side in zip(self.law.span, (length.min(), length.max()), (1, -1), strict=True):
+            if bound is not None and side * (reached - float(bound)) < -1e-12 * abs(float(bound)):
+                raise InputError(
+                    f"spring {self.name} reaches {reached:.6g} {self.path.unit}, "
+                    f"its {self.law.span_words} ends at {float(bound):.6g} {self.path.unit}",
+                    where=f"spring {self.name}",
+                    hint="move its ends, narrow the sweep, or change the law",
+                )
 
     def effort(self, states: States, goal: str) -> Affine:
         """The spring's share of a goal.
@@ -103,41 +156,49 @@ class Spring:
     def _theta(self, values: Mapping[str, float]) -> Array:
         return np.array([values[unknown.name] for unknown in self.unknowns])
 
+    def own(self, values: Mapping[str, float]) -> dict[str, float]:
+        """The values of this spring's unknowns by parameter: `k` for `s1.k`."""
+        return {unknown.name.removeprefix(f"{self.owner}."): values[unknown.name] for unknown in self.unknowns}
+
     def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters of the law, found and given, SI; an unknown free length is read from its product."""
-        shares = self.law.shares(np.ones(1))
-        found = {
-            share.parameter: float(values[f"{self.owner}.{share.parameter}"] if share.given is None else share.given)
-            for share in shares
-        }
-        free = getattr(self.law, "free_length", None)
-        if free is not None:
-            found["free_length"] = float(free)
-        elif "k_free_length" in found and found.get("k", 0.0) > 0:
-            found["free_length"] = found["k_free_length"] / found["k"]
-        return found
+        return self.law.parameters(self.own(values))
 
-    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float]) -> None:
+    def stored(self, values: Mapping[str, float], states: States) -> Stored:
+        """What a tendon can hold of the law over the lengths of the states."""
+        length = self.path.deform(states)[0]
+        return self.law.stored(self.own(values), float(length.min()), float(length.max()))
+
+    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float], states: States) -> None:
         """Add the spring and its lumped mass to a MuJoCo model.
 
-        A force line that a tendon can hold becomes a native tendon spring, any other a tendon actuator.
+        A force line or cubic that a tendon can hold becomes a native tendon spring, a constant part a tendon actuator;
+        any other law is stored as the cubic nearest to it over the lengths of the states.
         """
         tendon = self.path.install(spec, self.name)
-        own = {unknown.name.removeprefix(f"{self.owner}."): values[unknown.name] for unknown in self.unknowns}
-        intercept, slope = self.law.affine_force(own)
-        if slope > 0 and intercept <= 0:
-            tendon.stiffness[0] = slope
-            tendon.springlength = [-intercept / slope] * 2
+        stored = self.stored(values, states)
+        constant, *stiffness = stored.coefficients
+        if constant == 0.0 or any(stiffness[1:]):
+            tendon.stiffness = stiffness
+            tendon.springlength = [stored.rest] * 2
+            bias = [-constant, 0.0, 0.0]
         else:
-            actuator = spec.add_actuator(name=f"{self.name}_force", target=tendon.name)
+            bias = [-constant + stiffness[0] * stored.rest, -stiffness[0], 0.0]
+        if any(bias):
+            actuator = spec.add_actuator(name=actuator_name(self.name), target=tendon.name)
             actuator.trntype = mujoco.mjtTrn.mjTRN_TENDON
             actuator.gaintype = mujoco.mjtGain.mjGAIN_FIXED
             actuator.gainprm[0] = 0.0
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
-            actuator.biasprm[:3] = [-intercept, -slope, 0.0]
-        for side, (place, share) in zip("ab", self.path.ends() if self.own_mass else (), strict=False):
+            actuator.biasprm[:3] = bias
+        for side, (place, mass) in zip("ab", self._lumped, strict=False):
             point = place if isinstance(place, Point) else place.seat(outline(spec), self.name)
-            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, share * float(self.own_mass))
+            add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(mass))
+
+
+def actuator_name(spring: str) -> str:
+    """The actuator that stands for what a tendon cannot hold of a spring."""
+    return f"{spring}_force"
 
 
 def add_point_mass(spec: mujoco.MjSpec, name: str, body: str, at: Any, mass: float) -> None:

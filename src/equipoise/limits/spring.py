@@ -11,6 +11,7 @@ import numpy as np
 from equipoise import units
 from equipoise.affine import Array, Unknown
 from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.laws.law import FORCE, RATE
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.limits.limit import Setting
@@ -19,56 +20,66 @@ from equipoise.solve.program import Rows
 
 @dataclass(frozen=True)
 class Force:
-    """min <= f <= max of a spring's force, N, at every state; f > 0 pulls."""
+    """min <= f <= max of a spring's force, N, or torque, N m, at every state; f > 0 pulls."""
 
     spring: str
-    max: units.Force | None = None
-    min: units.Force | None = None
+    max: units.Pull | None = None
+    min: units.Pull | None = None
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """B theta <= max - f0 and -B theta <= f0 - min, one row per state."""
         spring = setting.find(self.spring, Spring, "force")
         length, _ = spring.path.deform(setting.states)
         basis, known = spring.law.force_basis(length)
-        return _sides(f"force of {self.spring}", "N", basis, known, spring.unknowns, low=self.min, high=self.max)
+        return _sides(
+            f"force of {self.spring}", _unit(FORCE, spring), basis, known, spring.unknowns, low=self.min, high=self.max
+        )
 
 
 @dataclass(frozen=True)
 class Slack:
-    """A tension spring never pushes: f >= 0 at every state."""
+    """A tension spring never pushes: f >= 0 at every state. A strut has no slack: raises InputError."""
 
     spring: str
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """-B theta <= f0, one row per state."""
         spring = setting.find(self.spring, Spring, "slack")
+        if spring.law.pushes:
+            raise InputError(
+                f"{self.spring} is a strut that pushes, it cannot go slack",
+                where="limit slack",
+                hint=f"leave the limit out, or write {{force: {self.spring}, max: 0 N}} to keep it pushing",
+            )
         length, _ = spring.path.deform(setting.states)
         basis, known = spring.law.force_basis(length)
-        return _sides(f"slack of {self.spring}", "N", basis, known, spring.unknowns, low=0.0, high=None)
+        return _sides(
+            f"slack of {self.spring}", _unit(FORCE, spring), basis, known, spring.unknowns, low=0.0, high=None
+        )
 
 
 @dataclass(frozen=True)
 class Length:
-    """min <= l <= max of a spring's length, m, at every state; the geometry alone decides."""
+    """min <= l <= max of a spring's length, m, or angle, rad, at every state; the geometry alone decides."""
 
     spring: str
-    max: units.Length | None = None
-    min: units.Length | None = None
+    max: units.Extent | None = None
+    min: units.Extent | None = None
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """Rows without unknowns, one per state."""
         spring = setting.find(self.spring, Spring, "length")
         length, _ = spring.path.deform(setting.states)
         none = np.zeros((*length.shape, 0), dtype=length.dtype)
-        return _sides(f"length of {self.spring}", "m", none, length, (), low=self.min, high=self.max)
+        return _sides(f"length of {self.spring}", spring.path.unit, none, length, (), low=self.min, high=self.max)
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """max l - min l <= max over the sweep, m."""
+    """max l - min l <= max over the sweep, m or rad."""
 
     spring: str
-    max: units.Length
+    max: units.Extent
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """Every length against the shortest, and the longest against every length."""
@@ -79,32 +90,32 @@ class Stroke:
         shortest = np.take_along_axis(length, np.real(length).argmin(-1)[..., None], axis=-1)
         excess = np.concatenate([length - shortest, longest - length], axis=-1)
         none = np.zeros((*excess.shape, 0), dtype=excess.dtype)
-        rows = _sides(f"stroke of {self.spring}", "m", none, excess, (), low=None, high=self.max)
+        rows = _sides(f"stroke of {self.spring}", spring.path.unit, none, excess, (), low=None, high=self.max)
         count = length.shape[-1]
         return tuple(Rows(r.limit, r.unit, r.G, r.h, (), np.arange(2 * count) % count, scale=r.scale) for r in rows)
 
 
 @dataclass(frozen=True)
 class Stiffness:
-    """min <= k <= max of a spring's rate, N/m, found or given."""
+    """min <= df/dl <= max of a spring's rate, N/m or N m/rad, found or given; at every state where it varies."""
 
     spring: str
-    max: units.Stiffness | None = None
-    min: units.Stiffness | None = None
+    max: units.Rate | None = None
+    min: units.Rate | None = None
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
-        """One row per side."""
+        """One row per side for a straight force line, else one per side and state."""
         spring = setting.find(self.spring, Spring, "stiffness")
-        unknown = [u for u in spring.unknowns if u.name == f"{spring.owner}.k"]
-        given = getattr(spring.law, "k", None)
-        if unknown:
-            basis, known = np.ones((1, 1)), np.zeros(1)
-        elif given is not None:
-            known = np.atleast_1d(given)
-            basis = np.zeros((*known.shape, 0))
-        else:
+        if spring.law.degree == 0:
             raise InputError(f"spring {self.spring} has no stiffness", where="limit stiffness", hint="limit its force")
-        return _sides(f"stiffness of {self.spring}", "N/m", basis, known, tuple(unknown), low=self.min, high=self.max)
+        length, _ = spring.path.deform(setting.states)
+        straight = spring.law.degree == 1
+        basis, known = spring.law.slope_basis(length[..., :1] if straight else length)
+        if straight and not np.ndim(getattr(spring.law, "k", 0.0)):
+            # The rate itself follows no geometry: one plain row.
+            basis, known = np.real(basis.reshape(-1, *basis.shape[-2:])[0]), np.real(known.reshape(-1, 1)[0])
+        unit = _unit(RATE, spring)
+        return _sides(f"stiffness of {self.spring}", unit, basis, known, spring.unknowns, low=self.min, high=self.max)
 
 
 @dataclass(frozen=True)
@@ -123,31 +134,39 @@ class MassCap:
 
 
 def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tuple[Rows, ...]:
-    """Rows that balancers ask for by themselves: closed coils, free lengths above them, reach of counterweights."""
+    """Rows that balancers ask for by themselves: spans of laws, free lengths within them, reach of counterweights."""
     rows: list[Rows] = []
     for balancer in balancers:
         if isinstance(balancer, Spring):
-            rows += _closed(balancer, setting)
+            rows += _span(balancer, setting)
         elif balancer.reach is not None:
             rows += _reach(balancer)
     return tuple(rows)
 
 
-def _closed(spring: Spring, setting: Setting) -> list[Rows]:
-    """The coils touch below the closed length; an unknown free length lies between closed and shortest length."""
-    closed = spring.law.closed
-    if closed is None and not any(u.name == f"{spring.owner}.k_free_length" for u in spring.unknowns):
+def _span(spring: Spring, setting: Setting) -> list[Rows]:
+    """The lengths stay within the law's span; an unknown free length lies between closed and shortest length."""
+    law = spring.law
+    free = any(u.name == f"{spring.owner}.k_free_length" for u in spring.unknowns)
+    if law.span == (None, None) and not free:
         return []
     length, _ = spring.path.deform(setting.states)
-    state = np.arange(length.shape[-1])
     rows: list[Rows] = []
-    if closed is not None:
-        none = np.zeros((*length.shape, 0), dtype=length.dtype)
-        limit = f"closed length of {spring.name} ({units.text(float(np.real(np.ravel(closed)[0])), 'm')})"
-        rows.append(Rows(limit, "m", none, length - closed, (), state, scale=_scale(length)))
+    for end, side in zip(law.span, (1.0, -1.0), strict=True):
+        if end is not None:
+            room = side * (length - end)
+            none = np.zeros((*room.shape, 0), dtype=room.dtype)
+            value = units.text(float(np.real(np.ravel(end)[0])), spring.path.unit)
+            limit = f"{law.span_words} of {spring.name} ({value})"
+            rows.append(Rows(limit, spring.path.unit, none, room, (), np.arange(room.shape[-1]), scale=_scale(length)))
+    return rows + _free_length(spring, length) if free else rows
+
+
+def _free_length(spring: Spring, length: Array) -> list[Rows]:
+    """closed <= L0, and L0 <= l where the coils touch at the free length, in terms of the product k L0."""
+    rows: list[Rows] = []
+    closed = spring.law.span[0]
     unknowns = {u.name.removeprefix(f"{spring.owner}."): u for u in spring.unknowns}
-    if "k_free_length" not in unknowns:
-        return rows
     rate, product = unknowns.get("k"), unknowns["k_free_length"]
     given = getattr(spring.law, "k", None)
     bounds = [(length, 1.0)] if spring.law.closes_free else []
@@ -160,7 +179,7 @@ def _closed(spring: Spring, setting: Setting) -> list[Rows]:
         else:
             assert given is not None
             G, h, over = np.full((*bound.shape, 1), side), side * given * bound, (product,)
-        where = state if bound is length else np.array([-1])
+        where = np.arange(length.shape[-1]) if bound is length else np.array([-1])
         rows.append(Rows(f"free length of {spring.name}", "N", G, h, over, where))
     return rows
 
@@ -187,6 +206,9 @@ def _sides(
         raise InputError(f"{what} has neither min nor max", where="limits", hint="give min, max or both")
     if low is not None and high is not None and low > high:
         raise InputError(f"{what}: min {low:g} is above max {high:g} {unit}", where="limits")
+    for value in (low, high):
+        if isinstance(value, units.Measured) and value.unit not in ("", unit):
+            raise InputError(f"{what}: the limit is in {value.unit}, it must be in {unit}", where="limits")
     state = np.arange(known.shape[-1])
     rows = []
     if high is not None:
@@ -198,6 +220,10 @@ def _sides(
         scale = abs(low) if low else _scale(known)
         rows.append(Rows(f"{what} >= {units.text(low, unit)}", unit, -basis, known - low, unknowns, state, scale=scale))
     return tuple(rows)
+
+
+def _unit(unit: str, spring: Spring) -> str:
+    return units.along_path(unit, spring.path.unit)
 
 
 def _scale(known: Array) -> float:

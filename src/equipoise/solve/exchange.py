@@ -100,7 +100,7 @@ def least_squares(program: Program) -> Array:
 
 def _plain(program: Program, theta: Array) -> bool:
     """Whether least squares is already the answer: a single rms, or no residual at all, and no limit violated."""
-    if not theta.size and not program.rows:
+    if not theta.size and not program.rows and all(term.cap is None for term in program.terms):
         return True
     load = sum(program.loads)
     single = len(program.terms) == 1 and program.terms[0].norm == "rms" and program.terms[0].cap is None

@@ -223,9 +223,10 @@ def descend(
             trial = solve(_within(model, freedoms, here.gamma, radius), elastic=price, warm=warm)
             warm = trial.working
             predicted = here.merit - (trial.objective + price * trial.excess)
-            if predicted <= precision * load:
-                break
             there = inner(np.clip(here.gamma + trial.theta[count:], low, high), here.solution.working)
+            if predicted <= precision * load:
+                here = there if there.merit < here.merit else here
+                break
             ratio = (here.merit - there.merit) / predicted
             if ratio < BENT:
                 bent = _within(_bend(model, there.program, trial.theta), freedoms, here.gamma, radius)

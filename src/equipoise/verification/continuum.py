@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from equipoise.assemble import Balancer
+from equipoise.balancers.spring import Spring
 from equipoise.design import Row
 from equipoise.errors import LoopError
 from equipoise.mechanism import Mechanism
@@ -51,12 +52,13 @@ def bounds(
     affine in (cos q, sin q) of each hinge and quadratic in each slide: three values per joint determine
     them, and triangles around the arcs enclose them. Cells are split until the bound exceeds the largest value
     met by less than 0.2 % or 0.01 % of the joint's load, or `budget` cells of that joint are used; it is valid
-    either way, up to rounding. Mechanisms with closed loops or tendon springs of their own get an estimate,
-    efforts that depend on more than eight joints no bound; both say so. A sweep without a box has no bounds.
+    either way, up to rounding. Mechanisms with closed loops or tendon springs of their own, and springs that are
+    bent or not on a straight line, get an estimate, efforts that depend on more than eight joints no bound; both say
+    so. A sweep without a box has no bounds.
     """
     if sweep.box is None:
         return {}
-    if _open(mechanism):
+    if _open(mechanism) and _straight(balancers, values):
         field = Field(mechanism, balancers, values, sweep)
         return {joint: _row(field, index, rows[joint], budget) for index, joint in enumerate(mechanism.driven)}
     peaks = [rows[joint].peak for joint in mechanism.driven]
@@ -102,6 +104,12 @@ def _row(field: Field, index: int, row: Row, budget: int) -> Bound:
 def _bound(row: Row, found: Found, method: str, rigorous: bool) -> Bound:
     polished = max(row.peak, found.met)
     return Bound(row.sample_peak, polished, found.upper, row.unit, method, rigorous, found.cells, found.complete)
+
+
+def _straight(balancers: Sequence[Balancer], values: Mapping[str, float]) -> bool:
+    """Whether all springs lie on straight lines and have forces affine in their lengths."""
+    springs = [balancer for balancer in balancers if isinstance(balancer, Spring)]
+    return all(s.path.straight and s.law.line(s.own(values)) is not None for s in springs)
 
 
 def _open(mechanism: Mechanism) -> bool:

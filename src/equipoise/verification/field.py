@@ -128,8 +128,8 @@ class Field:
 
     def _intercept(self, spring: Spring) -> float:
         """The force at length zero of the spring's line, N."""
-        own = {u.name.removeprefix(f"{spring.owner}."): self.values[u.name] for u in spring.unknowns}
-        return spring.law.affine_force(own)[0]
+        line = spring.law.line(spring.own(self.values))
+        return 0.0 if line is None else line[0]
 
     @cached_property
     def _dependence(self) -> NDArray[np.bool_]:

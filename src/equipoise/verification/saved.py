@@ -20,7 +20,7 @@ def installed(design: Design) -> mujoco.MjSpec:
     for balancer in design.balancers:
         where = f"{balancer.name} in {design.mechanism.name}"
         with refusals(where, "a part's name must not occur in the model: rename the part"):
-            balancer.install(spec, design.values)
+            balancer.install(spec, design.values, design.states)
     return spec
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.balancers.spring import add_point_mass
+from equipoise.balancers.spring import Spring, actuator_name, add_point_mass
 from equipoise.design import Design
 from equipoise.errors import LoopError, ModelError, nearest
 from equipoise.mechanism import Mechanism
@@ -68,7 +69,7 @@ def compare(design: Design, path: Path, poses: int, seed: int) -> Comparison:
     states, where = unseen(design, poses, seed)
     with listen() as said:
         spec = reload(path)
-        simulated = holding(spec, design.mechanism, states)
+        simulated = holding(spec, design.mechanism, states, unstored(design))
     ours = design.residual(states)
     bare = states.holding
     # A spring may lift more than gravity loads: both sides of the sum set the scale of rounding.
@@ -102,14 +103,31 @@ def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
     return mechanism.states(sweep), f"the sweep's own {len(sweep.poses)} poses, for the loops do not close elsewhere"
 
 
-def holding(spec: mujoco.MjSpec, mechanism: Mechanism, states: States) -> Array:
+def unstored(design: Design) -> dict[str, Callable[[Array], Array]]:
+    """Forces f(l) of the springs whose law no tendon can hold {spring: N from m}."""
+
+    def force(spring: Spring) -> Callable[[Array], Array]:
+        return lambda length: spring.law.force_at(length, spring.own(design.values))
+
+    springs = [balancer for balancer in design.balancers if isinstance(balancer, Spring)]
+    return {s.name: force(s) for s in springs if not s.stored(design.values, design.states).exact}
+
+
+def holding(
+    spec: mujoco.MjSpec,
+    mechanism: Mechanism,
+    states: States,
+    forces: Mapping[str, Callable[[Array], Array]] | None = None,
+) -> Array:
     """Holding efforts (N, nd) of a model with the parts in it, as MuJoCo computes them at the states' postures.
 
         tau = D^T (qfrc_bias - qfrc_spring - qfrc_actuator)
 
     Payloads are added as point masses; the model's joints are found by name, their order may differ. Of the
-    actuators only those that the mechanism lacks count: they are springs, the others are the motors.
+    actuators only those that the mechanism lacks count: they are springs, the others are the motors. forces
+    {tendon: f(l)} act in the place of what these tendons hold, as ctrl = -f at MuJoCo's own tendon length.
     """
+    forces = forces or {}
     result = np.empty_like(states.driven)
     for masses in np.unique(states.payload_mass, axis=0):
         rows = np.flatnonzero((states.payload_mass == masses).all(axis=1))
@@ -117,15 +135,28 @@ def holding(spec: mujoco.MjSpec, mechanism: Mechanism, states: States) -> Array:
         loaded.modelfiledir = spec.modelfiledir
         for index, (point, mass) in enumerate(zip(states.payload_points, masses, strict=True)):
             add_point_mass(loaded, f"payload {index + 1} of the verification", point.body, point.at, float(mass))
+        for name in forces:
+            _drive(loaded, name)
         with refusals(mechanism.name):
             model = loaded.compile()
         springs = _quieten(model, mechanism.model)
         for start in range(0, len(rows), CHUNK):
             part = rows[start : start + CHUNK]
-            force = _forces(model, mechanism.model, states.kin.q[part], springs)
+            force = _forces(model, mechanism.model, states.kin.q[part], springs, forces)
             transmission = states.D if len(states.D) == 1 else states.D[part]
             result[part] = np.squeeze(force[:, None, :] @ transmission, axis=1)
     return result
+
+
+def _drive(spec: mujoco.MjSpec, name: str) -> None:
+    """Put a motor in the place of a tendon's own spring."""
+    tendon = spec.tendon(name)
+    tendon.stiffness = [0.0, 0.0, 0.0]
+    actuator = spec.actuator(actuator_name(name)) or spec.add_actuator(name=actuator_name(name), target=name)
+    actuator.trntype = mujoco.mjtTrn.mjTRN_TENDON
+    actuator.gaintype = mujoco.mjtGain.mjGAIN_FIXED
+    actuator.gainprm[0] = 1.0
+    actuator.biastype = mujoco.mjtBias.mjBIAS_NONE
 
 
 def _quieten(model: mujoco.MjModel, original: mujoco.MjModel) -> bool:
@@ -142,13 +173,24 @@ def _quieten(model: mujoco.MjModel, original: mujoco.MjModel) -> bool:
     return bool(springs.any())
 
 
-def _forces(model: mujoco.MjModel, original: mujoco.MjModel, q: Array, springs: bool) -> Array:
+def _forces(
+    model: mujoco.MjModel,
+    original: mujoco.MjModel,
+    q: Array,
+    springs: bool,
+    forces: Mapping[str, Callable[[Array], Array]],
+) -> Array:
     """bias - spring - actuator (N, nv) in the original's order of degrees of freedom."""
     positions, dofs = _by_name(model, original)
     batch = Batch(model, len(q))
     batch.bind("qpos")[:, positions] = q
     bias, spring = batch.bind("qfrc_bias"), batch.bind("qfrc_spring")
     actuator = batch.bind("qfrc_actuator")
+    if forces:
+        length, control = batch.bind("ten_length"), batch.bind("ctrl")
+        batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
+        for name, force in forces.items():
+            control[:, model.actuator(actuator_name(name)).id] = -force(np.array(length[:, model.tendon(name).id]))
     stage = mujoco.mjtStage.mjSTAGE_ACC if springs else mujoco.mjtStage.mjSTAGE_VEL
     batch.forward(stage=int(stage))
     total = np.array(bias) - spring - (actuator if springs else 0.0)

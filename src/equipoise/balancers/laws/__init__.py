@@ -1,0 +1,28 @@
+"""Laws: forces affine in their unknowns, f = B(l) theta + f0, with their integral E(l); one idea per file."""
+
+from equipoise.balancers.laws.coil import Coil
+from equipoise.balancers.laws.gas import Gas
+from equipoise.balancers.laws.hydro_pneumatic import HydroPneumatic
+from equipoise.balancers.laws.law import Law, Share
+from equipoise.balancers.laws.nitrogen import Nitrogen
+from equipoise.balancers.laws.polynomial import Polynomial
+from equipoise.balancers.laws.stored import Stored
+from equipoise.balancers.laws.straight import Constant, Linear, ZeroFreeLength
+from equipoise.balancers.laws.torsion import Torsion
+from equipoise.balancers.laws.wire import WireMass
+
+__all__ = [
+    "Coil",
+    "Constant",
+    "Gas",
+    "HydroPneumatic",
+    "Law",
+    "Linear",
+    "Nitrogen",
+    "Polynomial",
+    "Share",
+    "Stored",
+    "Torsion",
+    "WireMass",
+    "ZeroFreeLength",
+]

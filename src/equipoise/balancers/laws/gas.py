@@ -1,0 +1,200 @@
+"""Gas springs: a polytrope in a cylinder, with or without an auxiliary volume."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.balancers.laws.law import Law, Share
+from equipoise.balancers.laws.nitrogen import Nitrogen
+from equipoise.errors import InputError
+from equipoise.units import Area, Length, Number, Pressure, Temperature, Volume
+
+STANDARD = 101325.0
+ROOM = 293.15
+LEAST = 1e-3
+"""Share of the reference volume below which the law is carried on unchanged, so that searches stay finite."""
+
+
+@dataclass(frozen=True)
+class Gas(Law):
+    """A gas spring or strut: gas in a cylinder, and whatever bottle is connected to it.
+
+        V = V0 - s A (l - l0),   P = P0 (T / T0)^h (V0 / V)^n,   f = s (P - Pa) A,   s = +1 `pull`, -1 `push`
+        E = P0 (T / T0)^h V0 ln(V0 / V) phi((n - 1) ln(V0 / V)) + Pa (V - V0),   phi(z) = (exp(z) - 1) / z
+
+    area A in m^2 is what the gas acts on: the piston's, less the rod's on the rod's side, the rod's alone where
+    the piston lets the gas pass; volume V0 in m^3, swept and auxiliary together, at the length l0 in m; action says
+    whether the gas pulls the ends together (it is compressed by lengthening) or pushes them apart; pressure P0 in Pa
+    is that at l0 and the temperature T0 of charging, None where it is unknown, read as `absolute` or `gauge`
+    (above ambient Pa, Pa). T in K is the temperature at work: at constant volume the pressure follows it
+    (Gay-Lussac, h = 1). exponent n is 1 for slow (isothermal) and 1.4 for quick (adiabatic) motion of air or nitrogen
+    as ideal gases, or Nitrogen as a real gas, which brings its own h. The force is affine in P0. E counts from l0.
+
+    Raises InputError for an area, volume, absolute pressure or temperature that is not positive, a negative ambient
+    pressure, or an exponent outside 1..2. The volume must stay positive over the sweep. After Quaglia & Yin 2015,
+    Eqs. 37-38 [quaglia_yin_2015], with the ambient pressure, and the exponent for what they call adiabatic.
+    """
+
+    area: Area
+    volume: Volume
+    length: Length
+    pressure: Pressure | None = None
+    exponent: Number | Nitrogen = 1.4
+    action: Literal["pull", "push"] = "push"
+    reading: Literal["absolute", "gauge"] = "absolute"
+    ambient: Pressure = STANDARD
+    charged_at: Temperature = ROOM
+    temperature: Temperature = ROOM
+    sources: ClassVar[tuple[str, ...]] = ("quaglia_yin_2015",)
+
+    def __post_init__(self) -> None:
+        for name in ("area", "volume", "charged_at", "temperature"):
+            positive(getattr(self, name), name, "law gas")
+        self._charge.check("law gas")
+        n, low, high = self.exponent, 1, 2
+        if not isinstance(n, Nitrogen) and np.isrealobj(n) and np.any(np.less(n, low) | np.greater(n, high)):
+            raise InputError(
+                f"the exponent is {say(n)}, it must lie in {low}..{high}",
+                where="law gas",
+                hint="1 for slow, isothermal motion, 1.4 for quick, adiabatic motion of nitrogen or air",
+            )
+        self.exponents()
+
+    @property
+    def _charge(self) -> Charge:
+        return Charge("pressure", self.pressure, self.reading, self.ambient)
+
+    @property
+    def degree(self) -> int | None:
+        """No polynomial."""
+        return None
+
+    @property
+    def pushes(self) -> bool:
+        """Whether it is a strut that pushes its ends apart."""
+        return self.action == "push"
+
+    @property
+    def side(self) -> float:
+        """s: +1 where the gas pulls, -1 where it pushes."""
+        return -1.0 if self.pushes else 1.0
+
+    @property
+    def span(self) -> tuple[Any, Any]:
+        """Lengths at which some gas volume is left."""
+        end = self.length + self.side * self.volume / self.area * (1 - LEAST)
+        return (end, None) if self.pushes else (None, end)
+
+    @property
+    def span_words(self) -> str:
+        """What ends the span."""
+        return "gas volume"
+
+    def exponents(self) -> tuple[Any, Any, Any]:
+        """n, the isothermal n_T and the heating exponent h."""
+        if not isinstance(self.exponent, Nitrogen):
+            return self.exponent, 1.0, 1.0
+        return self.exponent.working(self._charge.absolute).exponents(self.temperature)
+
+    def gas_volume(self, length: Array) -> Array:
+        """V (..., N), m^3, at lengths (..., N), m."""
+        return self.volume - self.side * self.area * (length - self.length)
+
+    def shares(self, length: Array) -> tuple[Share, ...]:
+        """The charge, affine, and the ambient pressure, known."""
+        return self._charge.shares(*self.per_pascal(length))
+
+    def per_pascal(self, length: Array) -> tuple[Share, Share]:
+        """Force, energy and rate per Pa of absolute P0 and per Pa of ambient pressure."""
+        volume = self.gas_volume(length)
+        least = LEAST * np.abs(np.real(self.volume)) + 0.0 * np.real(volume)
+        volume = np.where(np.real(volume) > least, volume, least)
+        push = self.side * self.area
+        n, _, h = self.exponents()
+        heat = (self.temperature / self.charged_at) ** h
+        ratio, work = polytrope(self.volume / volume, n)
+        gas = Share(
+            "gas", "Pa", None, push * heat * ratio, heat * self.volume * work, push**2 * heat * n * ratio / volume
+        )
+        one = np.ones_like(volume)
+        return gas, Share("air", "Pa", None, -push * one, volume - self.volume, 0.0 * one)
+
+    def pressures(self, length: Array, values: Mapping[str, float]) -> Array:
+        """Absolute pressure P (N,), Pa, at lengths (N,), m."""
+        return self.side * self.force_at(length, values) / self.area + self.ambient
+
+    def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
+        """All parameters; the exponent as the number that acts."""
+        return super().parameters(values) | {"exponent": float(np.real(self.exponents()[0]))}
+
+
+def polytrope(ratio: Any, exponent: Any) -> tuple[Any, Any]:
+    """r^n, and the work (r^(n-1) - 1) / (n - 1) = ln r phi((n - 1) ln r) on a gas compressed by r = V0 / V.
+
+    The work is per P0 V0 and goes to ln r, the isothermal one, as n goes to 1, without loss of digits.
+    """
+    log = np.log(ratio)
+    z = (exponent - 1) * log
+    small = np.abs(z) < 1e-2
+    series = 1 + z / 2 * (1 + z / 3 * (1 + z / 4 * (1 + z / 5 * (1 + z / 6 * (1 + z / 7)))))
+    safe = np.where(small, 1.0, z)
+    return np.exp(exponent * log), log * np.where(small, series, (np.exp(safe) - 1) / safe)
+
+
+@dataclass(frozen=True)
+class Charge:
+    """A pressure, Pa or None where unknown, with its name, how it is read, and the ambient pressure, Pa."""
+
+    name: str
+    given: Any
+    reading: str
+    ambient: Any
+
+    @property
+    def absolute(self) -> Any:
+        """The absolute pressure, Pa, None where it is unknown."""
+        return None if self.given is None else self.given + self.offset
+
+    @property
+    def offset(self) -> Any:
+        """What the reading lacks to the absolute pressure, Pa."""
+        return self.ambient if self.reading == "gauge" else 0.0
+
+    def check(self, where: str) -> None:
+        """Raise InputError for an ambient pressure that is negative, or an absolute one that is not positive."""
+        if np.isrealobj(self.ambient) and np.any(np.less(self.ambient, 0)):
+            raise InputError(f"the ambient pressure is {say(self.ambient)} Pa, it cannot be negative", where=where)
+        if self.given is not None and np.isrealobj(self.absolute) and not np.all(np.greater(self.absolute, 0)):
+            raise InputError(
+                f"the {self.name} is {say(self.given)} Pa {self.reading}, {say(self.absolute)} Pa absolute, "
+                "it must be positive",
+                where=where,
+                hint="state it `absolute`, or above the ambient pressure as `gauge`",
+            )
+
+    def shares(self, gas: Share, air: Share) -> tuple[Share, Share]:
+        """Shares of the charge and, known, of the ambient pressure with what a gauge leaves out.
+
+        gas and air are per Pa of absolute charge and of ambient pressure.
+        """
+        kept = 1.0 if self.reading == "gauge" else 0.0
+        lower = -float(np.real(np.max(self.offset)))
+        known = (kept * getattr(gas, what) + getattr(air, what) for what in ("basis", "integral", "slope"))
+        charge = Share(self.name, "Pa", self.given, gas.basis, gas.integral, gas.slope, lower + 0.0)
+        return charge, Share("ambient", "Pa", self.ambient, *known)
+
+
+def positive(value: Any, name: str, where: str) -> None:
+    """Raise InputError for a value that is not positive; those of candidates are not judged."""
+    if np.isrealobj(value) and not np.all(np.greater(value, 0)):
+        raise InputError(f"the {name} is {say(value)}, it must be positive", where=where)
+
+
+def say(value: Any) -> str:
+    """A number for a message."""
+    return f"{float(np.ravel(value)[0]):.6g}"
