@@ -94,6 +94,7 @@ __all__ = [
     "Affine",
     "Aim",
     "Angle",
+    "BSpline",
     "Block",
     "Cable",
     "Cam",
@@ -180,6 +181,7 @@ if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.laws import (
+        BSpline,
         Coil,
         Constant,
         Gas,
