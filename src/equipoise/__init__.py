@@ -91,6 +91,7 @@ _HOME = {
 
 __all__ = [
     "Absolute",
+    "Adjustment",
     "Affine",
     "Aim",
     "Angle",
@@ -101,7 +102,9 @@ __all__ = [
     "Claim",
     "Coil",
     "Constant",
+    "Convex",
     "Counterweight",
+    "Curvature",
     "Design",
     "DisagreementError",
     "Drum",
@@ -136,6 +139,7 @@ __all__ = [
     "ScotchYoke",
     "Slack",
     "SliderCrank",
+    "Slope",
     "Spring",
     "States",
     "Stiffness",
@@ -157,6 +161,7 @@ __all__ = [
     "load_problem",
     "parallelogram_arm",
     "parallelogram_robot",
+    "payload_rule",
     "report",
     "reproduce",
     "shape",
