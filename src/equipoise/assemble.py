@@ -188,7 +188,7 @@ def _insist_on_caps(balancers: Sequence[Balancer], objective: Sequence[Aim], lim
         free = isinstance(balancer, Counterweight) and isinstance(balancer.shape, Plate | Solid)
         if free and balancer.mass is None and balancer.owner not in kept and balancer.name not in kept:
             raise InputError(
-                f"nothing keeps the mass of {balancer.name} down: small inertia at a given first moment asks for ever more",
+                f"nothing keeps the mass of {balancer.name} down: little inertia at a given first moment asks for more",
                 where=f"counterweight {balancer.name}",
                 hint=f"add the limit {{mass: {balancer.name}, max: 2 kg}}, or an aim {{goal: mass, cap: 2 kg}}",
             )

@@ -286,7 +286,7 @@ class Sweep:
         ranges: Mapping[str, Sequence[Joint]] | None = None,
         payload: Sequence[Payload] = (),
     ) -> Sweep:
-        """n random states that the mechanism admits: poses in the joint limits (or `ranges`), any velocity and acceleration.
+        """n random states that the mechanism admits: poses in the joint limits (or `ranges`), moving in any way.
 
         What vanishes on them vanishes for all motions. Velocities and accelerations are drawn from -1..1 (rad/s,
         rad/s^2 or m/s, m/s^2). Poses that the loops do not reach from the reference are left out.

@@ -160,7 +160,7 @@ class Spring:
         for place, _ in found:
             if not isinstance(place, Point):
                 raise InputError(
-                    f"the inertia of spring {self.name}'s own mass is not known on this path: its ends move within bodies",
+                    f"the inertia of spring {self.name}'s own mass is not known: its ends move within bodies",
                     where=f"spring {self.name}",
                     hint="leave its mass out for goals of a motion",
                 )

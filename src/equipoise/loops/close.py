@@ -197,7 +197,7 @@ def _followed(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, origin:
 
 
 def refined(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
-    """Postures closed to rounding; raises LoopError for one that stays open or is within the margin of a singularity."""
+    """Postures closed to rounding; raises LoopError for one that stays open, or closes too near a singularity."""
     # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
     turns = 2 if branch.curved.all() else 8
     closed = branch.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)

@@ -54,7 +54,7 @@ class Analysis:
 
 
 def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
-    """Effort of every driven joint over a sweep (default: 2048 Sobol poses over the joint limits), also force and moment.
+    """Effort of every driven joint over a sweep (default: 2048 Sobol poses over the joint limits).
 
     Over poses it is what motors hold; over a motion what they supply, inertia included, and the wrench of the
     base on the mechanism is told beside it (moment about the world origin).

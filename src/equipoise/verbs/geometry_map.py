@@ -137,7 +137,7 @@ def _line(whole: Program, count: int) -> Array:
 
 
 def _most_telling(design: Design) -> Array:
-    """Numbers of the poses of the sweep for a quick look: an even choice, and those with the largest effort before and after."""
+    """Numbers of poses for a quick look: an even choice, and those with the largest effort before and after."""
     sweep, states = design.sweep, design.states
     even = np.linspace(0, len(sweep.poses) - 1, POSES // 2).astype(int)
     shape = (len(sweep.scenarios), len(sweep.poses), -1)
