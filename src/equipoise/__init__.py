@@ -47,6 +47,8 @@ _HOME = {
     "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "payload_rule": "balancers.payload",
+    "Adjustment": "balancers.payload",
     "Force": "limits",
     "Slack": "limits",
     "Slope": "limits",
@@ -133,6 +135,7 @@ if TYPE_CHECKING:
         ScotchYoke,
         SliderCrank,
     )
+    from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design
