@@ -44,7 +44,7 @@ def clearance(states: States) -> Clearance:
     hull = list(dict.fromkeys(pair[1] for pair in ends.values()))
     to_platform = {}
     for cable, pair in ends.items():
-        edges = [edge for edge in itertools.combinations(hull, 2) if pair[1] not in edges]
+        edges = [edge for edge in itertools.combinations(hull, 2) if pair[1] not in edge]
         if edges:
             places = [(states.point(a)[0], states.point(b)[0]) for a, b in edges]
             to_platform[cable] = np.min([segments(*lines[cable], a, b) for a, b in places], axis=0)

@@ -115,7 +115,9 @@ def _sinks(design: Design) -> list[Equilibrium]:
         if not design.sweep.holds(pose)[0]:
             continue
         states = mechanism.states(design.sweep.at_poses(pose))
-        own = [b for b in design.balancers if isinstance(b, Spring) and isinstance(b.path, Reel) and b.path.cable == cable]
+        own = [
+            b for b in design.balancers if isinstance(b, Spring) and isinstance(b.path, Reel) and b.path.cable == cable
+        ]
         others = [balancer for balancer in design.balancers if balancer not in own]
         rest = effort(mechanism, others, states)
         pull = sum(float(spring.force(states, design.values)[1][0]) for spring in own)

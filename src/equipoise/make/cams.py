@@ -46,7 +46,9 @@ class DrumWithTorsion:
         by_c = k * (1 / rho / f - psi * curve.slope / f**2)
         radius = rho * self._curvature(curve)
         most = self.largest_rate(curve)
-        knob = f"the rate can be at most {units.text(most, 'N m/rad')} at this preload: lower `rate` or change `preload`"
+        knob = (
+            f"the rate can be at most {units.text(most, 'N m/rad')} at this preload: lower `rate` or change `preload`"
+        )
         return Winding(curve.c, psi, rho, rho * by_c, radius - rho, 1, knob)
 
     def _curvature(self, curve: ForceCurve) -> Array:
@@ -92,7 +94,11 @@ class CamWithSpring:
             _above_zero(value, what)
         r, (x1, x2, x3) = self.radius, self._derivatives(curve)
         most = self.largest_radius(curve)
-        knob = f"the drum radius can be at most {units.text(most, 'm')} at this preload: lower `radius`, or raise `preload`"
+        knob = (
+            f"the drum radius can be at most {units.text(most, 'm')} at this preload: lower `radius`, or raise `preload`"
+            if curve.unit == "m"
+            else f"the ratio must be at least {1 / most:.4g} at this preload: raise `ratio` or `preload`, or narrow `over`"
+        )
         return Winding(curve.c, (curve.c - curve.c[0]) / r, r * x1, r**2 * x2, r**3 * x3, -1, knob)
 
     def _derivatives(self, curve: ForceCurve) -> tuple[Array, Array, Array]:
@@ -136,7 +142,9 @@ class ConstantForceCam:
             _above_zero(value, what)
         r, share = self.radius, 1 / self.pull_force
         most = self.largest_radius(curve)
-        knob = f"the drum radius can be at most {units.text(most, 'm')}: lower `radius`, or ask for `convex` in the limits"
+        knob = (
+            f"the drum radius can be at most {units.text(most, 'm')}: lower `radius`, or ask for `convex` in the limits"
+        )
         arm, slope, bend = r * share * curve.force, r**2 * share * curve.slope, r**3 * share * curve.bend
         return Winding(curve.c, (curve.c - curve.c[0]) / r, arm, slope, bend, -1, knob)
 
