@@ -14,7 +14,7 @@ from equipoise.states import States
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """Least distances per pose: between cables (N, pairs) by name, and of cables to the platform's outline (N, m), m."""
+    """Least distances (N,) per pose, m: between cables by pair, and of each cable to the platform's outline."""
 
     pairs: dict[tuple[str, str], Array]
     platform: dict[str, Array]

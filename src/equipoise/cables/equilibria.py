@@ -56,7 +56,7 @@ def equilibria(design: Design) -> tuple[Equilibrium, ...]:
     Few starts may miss one; for a planar point among forces that point inwards on the edges, minima - saddles +
     maxima + corner sinks = 1 (Poincare and Hopf).
     """
-    mechanism, sweep = design.mechanism, design.sweep
+    sweep = design.sweep
     weighed = sweep.poses[sweep.weight > 0]
     x = weighed[np.linspace(0, len(weighed) - 1, min(STARTS, len(weighed))).astype(int)]
     x = np.vstack([x, weighed.mean(axis=0), np.average(weighed, axis=0, weights=sweep.weight[sweep.weight > 0])])

@@ -35,7 +35,7 @@ class DrumWithTorsion:
     preload: units.Energy
 
     def winding(self, curve: ForceCurve) -> Winding:
-        """Arm over angle, closed form in f, df/dc and d2f/dc2; raises InputError without preload or for an angle's curve."""
+        """Arm over angle, closed form in f, df/dc, d2f/dc2; raises InputError without preload or for an angle."""
         for value, what in ((self.rate, "rate"), (self.preload, "preload energy")):
             _above_zero(value, what)
         if curve.unit != "m":
@@ -95,9 +95,9 @@ class CamWithSpring:
         r, (x1, x2, x3) = self.radius, self._derivatives(curve)
         most = self.largest_radius(curve)
         knob = (
-            f"the drum radius can be at most {units.text(most, 'm')} at this preload: lower `radius`, or raise `preload`"
+            f"the drum radius can be at most {units.text(most, 'm')} at this preload: lower `radius`, raise `preload`"
             if curve.unit == "m"
-            else f"the ratio must be at least {1 / most:.4g} at this preload: raise `ratio` or `preload`, or narrow `over`"
+            else f"the ratio must be at least {1 / most:.4g} at this preload: raise `ratio` or `preload`, narrow `over`"
         )
         return Winding(curve.c, (curve.c - curve.c[0]) / r, r * x1, r**2 * x2, r**3 * x3, -1, knob)
 

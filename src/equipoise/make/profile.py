@@ -112,7 +112,7 @@ def _insist(good: Array, value: Array, what: str, winding: Winding) -> None:
 
 
 def _crossing(points: Array, theta: Array, guide: float | None, poses: int = 120, edges: int = 1500) -> float:
-    """Share of poses at which the free cord crosses the profile elsewhere; 0 for a guide far away, which says nothing."""
+    """Share of poses at which the free cord crosses the profile elsewhere; 0, which says nothing, without a guide."""
     if guide is None:
         return 0.0
     coarse = points[np.linspace(0, len(points) - 1, edges).astype(int)]

@@ -62,7 +62,8 @@ class Part:
     def __str__(self) -> str:
         f = self.facts()
         lines = [
-            f"{self.name}: {f['kind']}, {f['turns']:.3g} turns, arm {1e3 * f['arm'][0]:.4g} to {1e3 * f['arm'][1]:.4g} mm, "
+            f"{self.name}: {f['kind']}, {f['turns']:.3g} turns, "
+            f"arm {1e3 * f['arm'][0]:.4g} to {1e3 * f['arm'][1]:.4g} mm, "
             f"least radius of curvature {1e3 * f['curvature'][0]:.4g} mm",
         ]
         if f["wrap_error"] is not None:

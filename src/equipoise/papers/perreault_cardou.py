@@ -118,7 +118,7 @@ def claims() -> Sequence[Claim]:
             min(_least_eigenvalue(k) for k in range(1, 11)),
             lambda x: x > 0,
             "N^2 m^2",
-            note="least eigenvalue over k, Legendre basis; docs/cables.md proves it for every k, which the paper leaves open",
+            note="least eigenvalue over k, Legendre basis; docs/cables.md has a proof for every k, which the paper leaves open",
         ),
         S.sentence(
             "the least f decreases as the degree increases",
@@ -187,7 +187,9 @@ def claims() -> Sequence[Claim]:
             note="largest at a corner; unsaid: the tension itself reaches "
             f"{tension(solved(5), np.linspace(0, 1, 2001)).max():.2f} N for a least tension of 1 N",
         ),
-        S.number("f(k=5) - f(k=4)", "3.1", "-0.0076", f[5] - f[4], "N^2 m^2", correction=Reason(third, (f[5] - f[4]) / 3)),
+        S.number(
+            "f(k=5) - f(k=4)", "3.1", "-0.0076", f[5] - f[4], "N^2 m^2", correction=Reason(third, (f[5] - f[4]) / 3)
+        ),
         S.number(
             "f(k=10) - f(k=5)", "3.1", "-0.0035", f[10] - f[5], "N^2 m^2", correction=Reason(third, (f[10] - f[5]) / 3)
         ),
@@ -297,8 +299,8 @@ def _map(k: int) -> Figure:
 
 PAPER = Paper(
     slug=SLUG,
-    about="Three cables hold a point in their equilateral triangle. Identical nonlinear springs on the reels keep every "
-    "cable taut without motors, and a quadratic program finds the polynomial whose resultant on the point is least.",
+    about="Three cables hold a point in their equilateral triangle. Identical nonlinear springs on the reels keep "
+    "every cable taut without motors, and a quadratic program finds the polynomial whose resultant on the point is least.",
     given="a = 1 m, t_min = 1 N, polynomials of degree k - 1 for k = 1 to 10, t >= t_min at q = 10 k equally spaced "
     "lengths (ends included), Eq. 16. Its (x, y) is (x, 0, z) here.",
     findings=(
@@ -306,8 +308,8 @@ PAPER = Paper(
         "Ten k sample lengths let the tension fall up to 0.9 % below the limit in between; keeping every length costs "
         "at most 0.4 % of f.",
         "k = 5 is 96 % above what identical springs can reach, k = 10 still 43 %: the plateau is one of polynomials.",
-        "From k = 5 on the centroid is no longer where the platform rests: with motors off it falls into one of several "
-        "minima; the tension peaks at 7.4 times its least value.",
+        "From k = 5 on the centroid is no longer where the platform rests: with motors off it falls into one of "
+        "several minima; the tension peaks at 7.4 times its least value.",
         "P is positive definite for every k; the proof is in docs/cables.md. Distinct springs or even powers on other "
         "robots can make it singular.",
     ),
