@@ -118,7 +118,7 @@ def claims() -> Sequence[Claim]:
             min(_least_eigenvalue(k) for k in range(1, 11)),
             lambda x: x > 0,
             "N^2 m^2",
-            note="least eigenvalue over k, Legendre basis; docs/cables.md has a proof for every k, which the paper leaves open",
+            note="least eigenvalue over k, Legendre basis; docs/cables.md proves it for every k",
         ),
         S.sentence(
             "the least f decreases as the degree increases",
@@ -300,7 +300,7 @@ def _map(k: int) -> Figure:
 PAPER = Paper(
     slug=SLUG,
     about="Three cables hold a point in their equilateral triangle. Identical nonlinear springs on the reels keep "
-    "every cable taut without motors, and a quadratic program finds the polynomial whose resultant on the point is least.",
+    "every cable taut without motors, and a quadratic program finds the polynomial whose resultant is least.",
     given="a = 1 m, t_min = 1 N, polynomials of degree k - 1 for k = 1 to 10, t >= t_min at q = 10 k equally spaced "
     "lengths (ends included), Eq. 16. Its (x, y) is (x, 0, z) here.",
     findings=(
