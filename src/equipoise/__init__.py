@@ -46,6 +46,10 @@ _HOME = {
     "Polynomial": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "exact_rate": "balancers.heavy",
+    "exact_rate_zero_free_length": "balancers.heavy",
+    "iterated_rates": "balancers.heavy",
+    "exact_mean": "variation",
     "Force": "limits",
     "Slack": "limits",
     "Length": "limits",
@@ -101,6 +105,7 @@ def __dir__() -> list[str]:
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
+    from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
     from equipoise.balancers.laws import (
         Coil,
         Constant,
@@ -155,6 +160,7 @@ if TYPE_CHECKING:
     from equipoise.problem import Problem, load_problem
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
+    from equipoise.variation import exact_mean
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.geometry_map import geometry_map

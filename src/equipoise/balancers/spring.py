@@ -111,7 +111,7 @@ class Spring:
 
     def check_span(self, states: States) -> None:
         """Raise InputError where a length of the states leaves the span in which the law holds; candidates may."""
-        if self.law.defined_beyond or self.law.span == (None, None):
+        if self.law.defined_beyond or all(end is None for end in self.law.span):
             return
         length = self.path.deform(states)[0]
         if length.ndim > 1 or np.iscomplexobj(length) or any(np.ndim(end) for end in self.law.span):

@@ -146,7 +146,7 @@ def _span(spring: Spring, setting: Setting) -> list[Rows]:
     """The lengths stay within the law's span; an unknown free length lies between closed and shortest length."""
     law = spring.law
     free = any(u.name == f"{spring.owner}.k_free_length" for u in spring.unknowns)
-    if law.span == (None, None) and not free:
+    if all(end is None for end in law.span) and not free:
         return []
     length, _ = spring.path.deform(setting.states)
     rows: list[Rows] = []

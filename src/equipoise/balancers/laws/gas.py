@@ -75,6 +75,11 @@ class Gas(Law):
         return None
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """How it acts and how its charge is read."""
+        return f"{self.action}es" if self.pushes else f"{self.action}s", f"{self.reading} charge"
+
+    @property
     def pushes(self) -> bool:
         """Whether it is a strut that pushes its ends apart."""
         return self.action == "push"
@@ -128,9 +133,24 @@ class Gas(Law):
         """Absolute pressure P (N,), Pa, at lengths (N,), m."""
         return self.side * self.force_at(length, values) / self.area + self.ambient
 
+    def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
+        """Pressures and volumes over the lengths."""
+        return gas_details(self.pressures(length, values), self.gas_volume(length), self.ambient)
+
     def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters; the exponent as the number that acts."""
         return super().parameters(values) | {"exponent": float(np.real(self.exponents()[0]))}
+
+
+def gas_details(pressure: Array, volume: Array, ambient: float) -> dict[str, tuple[Any, str]]:
+    """Absolute and gauge pressure, swept and auxiliary volume: what a maker asks for."""
+    low, high = float(pressure.min()), float(pressure.max())
+    return {
+        "absolute pressure": ((low, high), "Pa"),
+        "gauge pressure": ((low - ambient, high - ambient), "Pa"),
+        "swept volume": (float(np.ptp(volume)), "m^3"),
+        "auxiliary volume": (float(volume.min()), "m^3"),
+    }
 
 
 def polytrope(ratio: Any, exponent: Any) -> tuple[Any, Any]:
