@@ -44,14 +44,20 @@ _HOME = {
     "Nitrogen": "balancers.laws",
     "Torsion": "balancers.laws",
     "Polynomial": "balancers.laws",
+    "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
     "exact_rate": "balancers.heavy",
     "exact_rate_zero_free_length": "balancers.heavy",
     "iterated_rates": "balancers.heavy",
     "exact_mean": "variation",
+    "payload_rule": "balancers.payload",
+    "Adjustment": "balancers.payload",
     "Force": "limits",
     "Slack": "limits",
+    "Slope": "limits",
+    "Curvature": "limits",
+    "Convex": "limits",
     "Length": "limits",
     "Stroke": "limits",
     "Stiffness": "limits",
@@ -134,6 +140,7 @@ if TYPE_CHECKING:
         ScotchYoke,
         SliderCrank,
     )
+    from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design
@@ -146,7 +153,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
-    from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+    from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr

@@ -100,11 +100,18 @@ class Gas(Law):
         """What ends the span."""
         return "gas volume"
 
-    def exponents(self) -> tuple[Any, Any, Any]:
-        """n, the isothermal n_T and the heating exponent h."""
+    def exponents(self) -> tuple[Any, Any]:
+        """n and the isothermal n_T."""
         if not isinstance(self.exponent, Nitrogen):
-            return self.exponent, 1.0, 1.0
+            return self.exponent, 1.0
         return self.exponent.working(self._charge.absolute).exponents(self.temperature)
+
+    def warmth(self) -> Any:
+        """(T / T0)^h: what the temperature makes of the charge; a real gas's h is that at the mean of both."""
+        if not isinstance(self.exponent, Nitrogen):
+            return self.temperature / self.charged_at
+        gas = self.exponent.working(self._charge.absolute)
+        return (self.temperature / self.charged_at) ** gas.heating((self.temperature + self.charged_at) / 2)
 
     def gas_volume(self, length: Array) -> Array:
         """V (..., N), m^3, at lengths (..., N), m."""
@@ -120,8 +127,7 @@ class Gas(Law):
         least = LEAST * np.abs(np.real(self.volume)) + 0.0 * np.real(volume)
         volume = np.where(np.real(volume) > least, volume, least)
         push = self.side * self.area
-        n, _, h = self.exponents()
-        heat = (self.temperature / self.charged_at) ** h
+        (n, _), heat = self.exponents(), self.warmth()
         ratio, work = polytrope(self.volume / volume, n)
         gas = Share(
             "gas", "Pa", None, push * heat * ratio, heat * self.volume * work, push**2 * heat * n * ratio / volume
