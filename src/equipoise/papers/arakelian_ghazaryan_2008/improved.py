@@ -47,7 +47,7 @@ def improved() -> Sequence[Improvement]:
 def found_design(names: tuple[str, ...], norm: Norm, step: float) -> eq.Design:
     """The best design of section 3.2 with these parameters free."""
     bounds = {name: BOUNDS[name] for name in names}
-    return eq.shape(model.link(), [coil(1000.0, WIRE_2)], model.over(step), bounds, norm=norm)
+    return eq.shape(model.link(), [coil(1000.0, WIRE_2)], model.over(step), bounds, norm=norm, starts=2 * len(names))
 
 
 def _link(what: str, names: tuple[str, ...], norm: Norm, step: float) -> Improvement:

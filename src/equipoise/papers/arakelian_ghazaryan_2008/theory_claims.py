@@ -207,12 +207,13 @@ def _turns(exact: float) -> int:
 def _cable(k: float, foot: tuple[float, float], relief: float) -> float:
     """Largest moment added by the mass of a spring from `foot` by a cable over the pulley at B, N m.
 
-    relief is the part of its weight that a preload takes.
+    The last 0.3 m before the pulley are cable; relief is the part of the weight that a preload takes.
     """
-    mass, eye = float(WIRE_1.of(k)), eq.Pulley("world", (0.0, 0.0, Y_B))
-    path = eq.Cable((eq.Point("world", (foot[0], 0.0, foot[1])), eye, eq.Point("link", (R, 0.0, 0.0))))
-    bare = moment(eq.Spring("s", path, eq.Linear(k, 0.0)), step=5)
-    laden = moment(eq.Spring("s", path, eq.Linear(k, -relief * mass * G), mass=mass), step=5)
+    mass, eye, cable = float(WIRE_1.of(k)), eq.Pulley("world", (0.0, 0.0, Y_B)), 0.3
+    points = (eq.Point("world", (foot[0], 0.0, foot[1])), eye, eq.Point("link", (R, 0.0, 0.0)))
+    path = eq.Cable(points, offset=-cable)
+    bare = moment(eq.Spring("s", path, eq.Linear(k, k * cable)), step=5)
+    laden = moment(eq.Spring("s", path, eq.Linear(k, k * cable - relief * mass * G), mass=mass), step=5)
     return float(np.abs(laden - bare).max())
 
 
