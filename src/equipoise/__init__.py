@@ -59,6 +59,10 @@ _HOME = {
     "Cycloidal": "motion.drivers",
     "TimePolynomial": "motion.drivers",
     "TimeSpline": "motion.drivers",
+    "exact_rate": "balancers.heavy",
+    "exact_rate_zero_free_length": "balancers.heavy",
+    "iterated_rates": "balancers.heavy",
+    "exact_mean": "variation",
     "payload_rule": "balancers.payload",
     "Adjustment": "balancers.payload",
     "Force": "limits",
@@ -74,6 +78,22 @@ _HOME = {
     "Aim": "objective",
     "Design": "design",
     "chain": "models.chain",
+    "DrumWithTorsion": "make",
+    "CamWithSpring": "make",
+    "ConstantForceCam": "make",
+    "law_curve": "make",
+    "arm_curve": "make",
+    "make_part": "make",
+    "make_spring": "make",
+    "arm_cam": "make",
+    "wrench_matrix": "cables",
+    "closure": "cables",
+    "feasible": "cables",
+    "sag_tension": "cables",
+    "distribute": "cables",
+    "clearance": "cables",
+    "stiffness": "cables",
+    "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
@@ -111,9 +131,11 @@ __all__ = [
     "Block",
     "Cable",
     "Cam",
+    "CamWithSpring",
     "Claim",
     "Coil",
     "Constant",
+    "ConstantForceCam",
     "Convex",
     "CounterRotor",
     "Counterweight",
@@ -123,6 +145,7 @@ __all__ = [
     "DisagreementError",
     "Disc",
     "Drum",
+    "DrumWithTorsion",
     "EquipoiseError",
     "ExactAt",
     "Expression",
@@ -175,22 +198,39 @@ __all__ = [
     "ZeroFreeLength",
     "__version__",
     "analyze",
+    "arm_cam",
+    "arm_curve",
     "balance",
     "cable_platform",
     "caspr",
     "chain",
+    "clearance",
+    "closure",
+    "distribute",
+    "equilibria",
+    "exact_mean",
+    "exact_rate",
+    "exact_rate_zero_free_length",
+    "feasible",
     "four_bar",
     "geometry_map",
     "human_leg",
+    "iterated_rates",
+    "law_curve",
     "load_problem",
+    "make_part",
+    "make_spring",
     "parallelogram_arm",
     "parallelogram_robot",
     "payload_rule",
     "report",
     "reproduce",
+    "sag_tension",
     "shape",
     "slider_crank",
+    "stiffness",
     "verify",
+    "wrench_matrix",
 ]
 
 
@@ -211,6 +251,7 @@ if TYPE_CHECKING:
     from equipoise.balancers.counter_rotor import CounterRotor
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
+    from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
     from equipoise.balancers.laws import (
         BSpline,
         Coil,
@@ -243,6 +284,16 @@ if TYPE_CHECKING:
     from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
     from equipoise.balancers.spring import Spring
+    from equipoise.cables import (
+        clearance,
+        closure,
+        distribute,
+        equilibria,
+        feasible,
+        sag_tension,
+        stiffness,
+        wrench_matrix,
+    )
     from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (
@@ -255,6 +306,16 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
+    from equipoise.make import (
+        CamWithSpring,
+        ConstantForceCam,
+        DrumWithTorsion,
+        arm_cam,
+        arm_curve,
+        law_curve,
+        make_part,
+        make_spring,
+    )
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
@@ -270,6 +331,7 @@ if TYPE_CHECKING:
     from equipoise.problem import Problem, load_problem
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
+    from equipoise.variation import exact_mean
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.geometry_map import geometry_map

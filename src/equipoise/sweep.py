@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise import workspace
 from equipoise.affine import Array
@@ -54,9 +55,10 @@ class Sweep:
 
     poses (N, nd) rad or m; weight (N,) non-negative, a pose of weight 0 counts for peaks only; box (nd, 2)
     the region that the poses stand for, or None for a bare list; payloads K points and scenarios (S, K) kg;
-    label says in words what was swept; sampled poses may be refined between the samples; moves gives the states
-    velocities and accelerations (then poses are its rows), None leaves them at
-    rest; finer makes the same region with a finer quadrature, whose difference is the error of this one.
+    label says in words what was swept; sampled poses may be refined between the samples; finer makes the same
+    region with a finer quadrature, whose difference is the error of this one; outline is the polygon
+    (joint numbers, corners (V, 2)) that two joints stay in; moves gives the states velocities and accelerations
+    (then poses are its rows), None leaves them at rest.
     """
 
     poses: Array
@@ -68,6 +70,7 @@ class Sweep:
     scenarios: Array = None  # type: ignore[assignment]
     moves: Moves | None = None
     finer: Callable[[], Sweep] | None = None
+    outline: tuple[tuple[int, int], Array] | None = None
 
     def __post_init__(self) -> None:
         if self.scenarios is None:
@@ -159,9 +162,11 @@ class Sweep:
             more = points + 4
             return Sweep.polygon(mechanism, corners, points=more, joints=joints, axes=axes, payload=payload)
 
-        return _region(
+        sweep = _region(
             mechanism, names, vertices, rule=rule, edge=edge, axes=axes or {}, payload=payload, label=label, finer=finer
         )
+        first, second = (mechanism.driven.index(name) for name in names)
+        return replace(sweep, outline=((first, second), vertices))
 
     @staticmethod
     def triangle(
@@ -243,6 +248,17 @@ class Sweep:
         if len(weights) != len(table) or (weights < 0).any() or (len(table) and not weights.sum() > 0):
             raise InputError("pose weights must be non-negative, one per pose, and not all zero", where="sweep.poses")
         return _with_payload(mechanism, Sweep(table, weights, label), payload)
+
+    def holds(self, poses: Array) -> NDArray[np.bool_]:
+        """Which poses (M, nd) lie in the region: the sweep's outline and the box of its poses, rims included."""
+        low, high = self.poses.min(axis=0), self.poses.max(axis=0)
+        slack = 1e-9 * np.maximum(1.0, high - low)
+        if self.outline is None:
+            return ((poses >= low - slack) & (poses <= high + slack)).all(axis=1)
+        joints, corners = self.outline
+        others = [index for index in range(poses.shape[1]) if index not in joints]
+        fine = ((poses >= low - slack) & (poses <= high + slack))[:, others].all(axis=1)
+        return fine & workspace.contains(corners, poses[:, list(joints)])
 
     @staticmethod
     def motion(
@@ -340,7 +356,8 @@ class Sweep:
     def extended(self, coordinates: Array) -> Sweep:
         """The sweep with further states that count for peaks only."""
         weight = np.concatenate([self.weight, np.zeros(len(coordinates))])
-        return replace(self.at(np.vstack([self.coordinates, coordinates])), weight=weight, box=self.box)
+        more = self.at(np.vstack([self.coordinates, coordinates]))
+        return replace(more, weight=weight, box=self.box, finer=self.finer, outline=self.outline)
 
     def thinned(self, rows: Array) -> Sweep:
         """Some of the states, each with a weight above zero."""
@@ -349,7 +366,7 @@ class Sweep:
 
     def at_poses(self, poses: Array) -> Sweep:
         """The same payload scenarios at rest at other poses, equal weights."""
-        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None, finer=None, moves=None)
+        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None, finer=None, outline=None, moves=None)
 
     def rows(self) -> tuple[Array, Array, Array]:
         """Driven positions (S N, nd), weights (S N,) and payload masses (S N, K), scenario by scenario."""
