@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize
 
 import equipoise as eq
 from equipoise.papers import paper
@@ -267,6 +267,34 @@ def test_a_gas_strut_in_general():
         exact = 100 * (force / stretch - 1) * np.cos(th)
         ours = pressure.strut_error(pressure.strut(eta, n, gauge, ra), ra)
         np.testing.assert_allclose(ours, exact, atol=1e-9)
+
+
+@pytest.mark.parametrize(("n", "ra"), [(1.4, 6.0), (1.1, 3.5)])
+def test_charge_and_volume_of_a_strut_at_their_true_optimum(n, ra):
+    """Volume and charge by shape, and by a simplex search over the closed form."""
+    over = robots.along(count=361)
+    gas = pressure.strut(2.0, n, ra=ra)
+    size, pi0 = gas.area * gas.length, 1 + 101325 / 168e5
+    law = eq.Gas(gas.area, gas.volume, gas.length, None, n, "pull", "gauge")
+    spring = robots.pivoted("s", JOINT, law, 90.0, ra)
+    free = {"s.law.volume": (0.6 * size, 8 * size)}
+    design = eq.shape(robots.alone(1), [spring], over, free, norm="mean", starts=2)
+    th = over.poses[:, 0]
+    stretch = np.sqrt(1 - 2 * ra * np.sin(th) / (1 + ra**2))
+
+    def cost(x):
+        eta, charge = x
+        force = (pi0 - 1 + charge) * (1 - (stretch - 1) / eta) ** -n - (pi0 - 1)
+        return mean(100 * (force / stretch - 1) * np.cos(th), over)
+
+    options = {"xatol": 1e-9, "fatol": 1e-12, "maxiter": 2000}
+    best = min(
+        (minimize(cost, [n, c], method="Nelder-Mead", options=options) for c in (0.98, 1.0)), key=lambda r: r.fun
+    )
+    ours = 100 * design.after["link_joint"].mean / LARGEST[0]
+    assert ours == pytest.approx(best.fun, rel=2e-4)
+    assert design.geometry["s.law.volume"] / size == pytest.approx(best.x[0], rel=2e-3)
+    assert design.values["s.pressure"] / 168e5 == pytest.approx(best.x[1], rel=1e-3)
 
 
 def test_the_best_volume_is_the_one_whose_rate_is_the_ideal_spring():
