@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Array
+from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.mechanism import Mechanism, Point
@@ -69,7 +70,7 @@ def scene(design: Design, states: States, row: int) -> Scene:
                 springs.append((number, drawn[0], drawn[-1]))
             for point in [place for place, _ in balancer.path.ends() if isinstance(place, Point)]:
                 attach(point.body, states.point(point)[0][row])
-        else:
+        elif isinstance(balancer, Counterweight):
             mass, where = balancer.place(design.values)
             body = mechanism.body_id(balancer.at.body)
             place = xpos[body] + xmat[body] @ where
