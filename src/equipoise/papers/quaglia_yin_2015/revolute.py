@@ -26,7 +26,6 @@ from equipoise.papers.quaglia_yin_2015.robots import (
     states,
 )
 
-
 WIRE = 700e6**2 / (4 * 79.5e9 * 7800)
 """Energy, J/kg, that a kilogram of spring wire holds at a shear stress of 700 MPa."""
 
@@ -99,9 +98,9 @@ def claims(P: Source) -> list[Claim]:
             "springs add little mass, where counterweights add inertia",
             "1",
             None,
-            note=f"no material or stress is printed. The ideal spring of link 1 stores up to {_stored():.0f} J at ra1 = "
-            f"6; wire at 700 MPa holds tau^2/(4 G rho) = {WIRE:.1f} J/kg (G = 79.5 GPa, rho = 7800 kg/m3), so it weighs "
-            f"at least {_stored() / WIRE:.1f} kg",
+            note="no material or stress is printed. The ideal spring of link 1 stores up to "
+            f"{_stored():.0f} J at ra1 = 6; wire at 700 MPa holds tau^2/(4 G rho) = {WIRE:.1f} J/kg (G = 79.5 GPa, "
+            f"rho = 7800 kg/m3), so it weighs at least {_stored() / WIRE:.1f} kg",
         ),
         P.sentence(
             "link 2 asks for the largest torque m2 r2 g where it is level",
