@@ -21,6 +21,7 @@ _HOME = {
     "Block": "affine",
     "Unknown": "affine",
     "Spring": "balancers.spring",
+    "Prescribed": "balancers.synthesis",
     "Line": "balancers.paths",
     "Cable": "balancers.paths",
     "Pulley": "balancers.paths",
@@ -137,6 +138,7 @@ if TYPE_CHECKING:
     )
     from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.spring import Spring
+    from equipoise.balancers.synthesis import Prescribed
     from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (

@@ -10,10 +10,11 @@ import numpy as np
 from equipoise.affine import Affine, Array
 from equipoise.assemble import Balancer
 from equipoise.design import Design
-from equipoise.errors import LoopError
+from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
 from equipoise.sweep import Sweep
+from equipoise.verification.simulate import reach
 
 STEP = 0.03
 LEVELS = 4
@@ -39,9 +40,9 @@ def energy_errors(design: Design, poses: int = 64, seed: int = 0) -> dict[str, f
     u are random directions of the driven joints; central differences, extrapolated to h = 0 (Richardson);
     loops are closed at every point. Elements are `gravity` (with payload and the file's own springs), every
     balancer by name, and `total`. An element without effort has error 0; poses whose difference quotients do
-    not settle are left out. Raises LoopError where no neighbourhood of the sweep's poses closes.
+    not settle are left out. Raises InputError where no neighbourhood of the sweep's poses closes.
     """
-    line = _line(design.mechanism, design.sweep, poses, seed)
+    line = _line(design, poses, seed)
     errors: dict[str, float] = {}
     efforts, slopes, doubts = [], [], []
     for name, element in [("gravity", design.mechanism), *((b.name, b) for b in design.balancers)]:
@@ -56,20 +57,25 @@ def energy_errors(design: Design, poses: int = 64, seed: int = 0) -> dict[str, f
     return errors
 
 
-def _line(mechanism: Mechanism, sweep: Sweep, poses: int, seed: int) -> Line:
+def _line(design: Design, poses: int, seed: int) -> Line:
+    mechanism, sweep = design.mechanism, design.sweep
     rng = np.random.default_rng(seed)
     centre = sweep.poses[rng.integers(len(sweep.poses), size=poses)]
     if sweep.box is not None:
         centre = sweep.box[:, 0] + rng.random((poses, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
     direction = rng.standard_normal(centre.shape)
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    failure: LoopError | None = None
+    failure: InputError | None = None
     for step in (STEP, STEP / 10, STEP / 100):
         try:
-            return _along(mechanism, sweep, centre, direction, step)
-        except LoopError as error:  # near the rim of what a linkage reaches: stay closer to poses that close
+            line = _along(mechanism, sweep, centre, direction, step)
+            for states in (line.centre, *line.ahead, *line.behind):
+                reach(design, states)
+        except InputError as error:  # near the rim of what a linkage reaches: stay closer to poses that close
             failure = error
             centre = sweep.poses[rng.integers(len(sweep.poses), size=poses)]
+        else:
+            return line
     raise failure  # type: ignore[misc]
 
 

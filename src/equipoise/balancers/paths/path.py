@@ -83,7 +83,7 @@ class Path(ABC):
         """Raise InputError where the path of spring `name` cannot act on the mechanism."""
 
     def needs(self, states: States) -> tuple[Need, ...]:  # noqa: ARG002 - what others need depends on the states
-        """What the geometry must keep, for `shape` to hold; one geometry alone raises InputError where it does not."""
+        """What many geometries must keep, for `shape`; a single one has none and raises InputError instead."""
         return ()
 
     @abstractmethod
@@ -93,6 +93,10 @@ class Path(ABC):
     def positions(self, states: States, name: str) -> dict[str, Array]:  # noqa: ARG002
         """Positions (N,) of the joints that `install` adds, by name: where the added loops are closed from."""
         return {}
+
+    def notes(self, states: States, name: str) -> tuple[str, ...]:  # noqa: ARG002
+        """What a user of the saved model must know."""
+        return ()
 
     def laws(self, states: States, name: str) -> dict[str, Array]:  # noqa: ARG002
         """Coefficients (N, 5) of joint equalities that `install` adds and one polynomial cannot say, by name."""
