@@ -13,7 +13,6 @@ from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
-from equipoise.sweep import Sweep
 from equipoise.verification.simulate import reach
 
 STEP = 0.03
@@ -53,38 +52,34 @@ def energy_errors(design: Design, poses: int = 64, seed: int = 0) -> dict[str, f
         doubts.append(doubt)
     # The total may vanish by design, so it is judged against what was added up.
     scale = max(float(np.abs(effort).max()) for effort in efforts)
-    errors["total"] = _relative(sum(efforts), sum(slopes), sum(doubts), scale)  # type: ignore[arg-type]
+    errors["total"] = _relative(np.sum(efforts, axis=0), np.sum(slopes, axis=0), np.sum(doubts, axis=0), scale)
     return errors
 
 
 def _line(design: Design, poses: int, seed: int) -> Line:
-    mechanism, sweep = design.mechanism, design.sweep
+    sweep = design.sweep
     rng = np.random.default_rng(seed)
     centre = sweep.poses[rng.integers(len(sweep.poses), size=poses)]
     if sweep.box is not None:
         centre = sweep.box[:, 0] + rng.random((poses, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
     direction = rng.standard_normal(centre.shape)
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    failure: InputError | None = None
-    for step in (STEP, STEP / 10, STEP / 100):
+    for step in (STEP, STEP / 10):
         try:
-            line = _along(mechanism, sweep, centre, direction, step)
-            for states in (line.centre, *line.ahead, *line.behind):
-                reach(design, states)
-        except InputError as error:  # near the rim of what a linkage reaches: stay closer to poses that close
-            failure = error
+            return _along(design, centre, direction, step)
+        except InputError:  # near the rim of what a linkage reaches: stay closer to poses that close
             centre = sweep.poses[rng.integers(len(sweep.poses), size=poses)]
-        else:
-            return line
-    raise failure  # type: ignore[misc]
+    return _along(design, centre, direction, STEP / 100)
 
 
-def _along(mechanism: Mechanism, sweep: Sweep, centre: Array, direction: Array, step: float) -> Line:
+def _along(design: Design, centre: Array, direction: Array, step: float) -> Line:
     def at(distance: float) -> States:
-        return mechanism.states(sweep.at_poses(centre + distance * direction))
+        states = design.mechanism.states(design.sweep.at_poses(centre + distance * direction))
+        reach(design, states)
+        return states
 
     sides = [step / 2**level for level in range(LEVELS)]
-    tall = np.tile(direction, (len(sweep.scenarios), 1))
+    tall = np.tile(direction, (len(design.sweep.scenarios), 1))
     return Line(at(0.0), tuple(map(at, sides)), tuple(at(-side) for side in sides), tall, step)
 
 
