@@ -89,7 +89,7 @@ def law_words(part: Mapping[str, Any], balancer: Any) -> str:
     # A rate whose force is below rounding beside the rest is the solver's way to say none.
     least = 1e-9 * max(abs(force) for force in part["force"]) / max(part["length"][1], 1e-9)
     parameters = {key: 0.0 if key == "k" and abs(k) <= least else k for key, k in part["parameters"].items()}
-    return ", ".join([name, *parameter_words(parameters)])
+    return ", ".join([name, *parameter_words(parameters, part.get("units", {}))])
 
 
 def weight_words(part: Mapping[str, Any], design: Design) -> str:
@@ -98,7 +98,7 @@ def weight_words(part: Mapping[str, Any], design: Design) -> str:
     return f"counterweight, {plain(part['mass'])} kg" if wanted else "counterweight, 0 kg: it does not help here"
 
 
-def parameter_words(parameters: Mapping[str, float]) -> list[str]:
+def parameter_words(parameters: Mapping[str, float], units: Mapping[str, str]) -> list[str]:
     """Each parameter of a law with its unit; the product k L0 is left out where the free length is known."""
     words = []
     for parameter, value in parameters.items():
@@ -107,6 +107,7 @@ def parameter_words(parameters: Mapping[str, float]) -> list[str]:
         if parameter == "initial_tension" and value == 0:
             continue
         name, unit = PARAMETERS.get(parameter, (parameter.replace("_", " "), ""))
+        unit = units.get(parameter, unit)
         words.append(f"{name} = {quantity(value, unit)}" if parameter == "k" else f"{name} {quantity(value, unit)}")
     return words
 
@@ -120,10 +121,16 @@ def work_words(part: Mapping[str, Any]) -> str:
     """Length, force and energy of a spring over the sweep."""
     mass = f", own mass {quantity(part['mass'], 'kg', 3)}" if part.get("mass") else ""
     slack = "; it pushes where the force is negative" if part["force"][0] < -1e-9 * part["force"][1] else ""
+    length, unit, force, force_unit = act_words(part)
     return (
-        f"length {span(part['length'], 'm')} (stroke {quantity(part['stroke'], 'm', 3)}), "
-        f"force {span(part['force'], 'N')}, {energy_words(part)}{mass}{slack}"
+        f"{length} {span(part['length'], unit)} (stroke {quantity(part['stroke'], unit, 3)}), "
+        f"{force} {span(part['force'], force_unit)}, {energy_words(part)}{mass}{slack}"
     )
+
+
+def act_words(part: Mapping[str, Any]) -> tuple[str, str, str, str]:
+    """What a spring's deformation and force are called, with their units: `length` and `force`, or angle and torque."""
+    return ("angle", "rad", "torque", "N m") if part.get("unit") == "rad" else ("length", "m", "force", "N")
 
 
 def energy_words(part: Mapping[str, Any]) -> str:

@@ -158,7 +158,10 @@ class Cable(Path):
             if isinstance(item, Pulley) and item.radius
         )
         middle = first + share * (last - first)
-        return Sketch(spring=np.stack([first, middle]), lines=(np.vstack([middle, line[1:]]),), discs=discs)
+        places = tuple(self._place(index) for index in range(len(self.through)))
+        return Sketch(
+            spring=np.stack([first, middle]), lines=(np.vstack([middle, line[1:]]),), discs=discs, anchors=places
+        )
 
 
 def _node(item: Point | Pulley, states: States) -> Node:

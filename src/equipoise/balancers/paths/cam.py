@@ -125,4 +125,4 @@ class Cam(Driven):
             return np.stack([states.point(at.point(*place))[0][row] for place in where])
 
         far = length + np.sign(length or 1.0) * 1.5 * max(float(np.abs(radius).max()), 1e-3)
-        return Sketch(spring=world((length, 0.0), (far, 0.0)), lines=(world(*places),))
+        return Sketch(spring=world((length, 0.0), (far, 0.0)), lines=(world(*places),), anchors=(at.at,))

@@ -47,13 +47,22 @@ class Sketch:
     """How a path looks in one state: world coordinates, m.
 
     spring (2, 3) are the ends of the spring itself; bars (P, 3) each are rigid members, lines (P, 3) each cables
-    and guides, discs are (centre (3,), radius, axis (3,)) of pulleys, cams and shafts.
+    and guides, discs are (centre (3,), radius, axis (3,)) of pulleys, spirals (centre, axis) of springs that wind
+    about a shaft; anchors are the points by which the path hangs on links.
     """
 
     spring: Array | None = None
     bars: tuple[Array, ...] = ()
     lines: tuple[Array, ...] = ()
     discs: tuple[tuple[Array, float, Array], ...] = ()
+    spirals: tuple[tuple[Array, Array], ...] = ()
+    anchors: tuple[Point, ...] = ()
+
+    @property
+    def points(self) -> list[Array]:
+        """All points, each (3,)."""
+        found = [place for line in (*self.bars, *self.lines) for place in line] + [place for place, _ in self.spirals]
+        return found + list(() if self.spring is None else self.spring)
 
 
 class Path(ABC):

@@ -160,4 +160,5 @@ class SliderCrank(Driven):
         return Sketch(
             spring=world((length, e), (length + np.sign(length) * 0.6 * float(self.rod), e)),
             bars=(world((0.0, 0.0), pin, (length, e)),),
+            anchors=(at.at,),
         )
