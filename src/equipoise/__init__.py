@@ -48,6 +48,10 @@ _HOME = {
     "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "exact_rate": "balancers.heavy",
+    "exact_rate_zero_free_length": "balancers.heavy",
+    "iterated_rates": "balancers.heavy",
+    "exact_mean": "variation",
     "payload_rule": "balancers.payload",
     "Adjustment": "balancers.payload",
     "Force": "limits",
@@ -156,9 +160,13 @@ __all__ = [
     "cable_platform",
     "caspr",
     "chain",
+    "exact_mean",
+    "exact_rate",
+    "exact_rate_zero_free_length",
     "four_bar",
     "geometry_map",
     "human_leg",
+    "iterated_rates",
     "load_problem",
     "parallelogram_arm",
     "parallelogram_robot",
@@ -186,6 +194,7 @@ def __dir__() -> list[str]:
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
+    from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
     from equipoise.balancers.laws import (
         BSpline,
         Coil,
@@ -243,6 +252,7 @@ if TYPE_CHECKING:
     from equipoise.problem import Problem, load_problem
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
+    from equipoise.variation import exact_mean
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.geometry_map import geometry_map

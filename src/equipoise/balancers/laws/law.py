@@ -57,6 +57,11 @@ class Law:
         return False
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a description says beside the parameters."""
+        return ()
+
+    @property
     def span(self) -> tuple[Any, Any]:
         """Least and largest length at which the law holds, None where it has no such end."""
         return None, None
@@ -131,6 +136,10 @@ class Law:
             if field.name not in found and isinstance(value, int | float) and not isinstance(value, bool):
                 found[field.name] = float(value)
         return found
+
+    def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:  # noqa: ARG002
+        """What else is worth knowing of it over lengths (N,): {words: (value or (least, largest), SI unit)}."""
+        return {}
 
     def parameter_units(self, along: str = "m") -> dict[str, str]:
         """SI units of everything that `parameters` may name, on a path in m or rad."""
