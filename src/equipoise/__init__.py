@@ -136,6 +136,7 @@ __all__ = [
     "Platform",
     "Point",
     "Polynomial",
+    "Prescribed",
     "Problem",
     "ProblemError",
     "Profile",

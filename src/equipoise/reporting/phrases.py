@@ -162,11 +162,6 @@ def stored_words(part: Mapping[str, Any]) -> str:
     return f"in the saved model the nearest cubic stands for it, within {error}; verified with the law itself"
 
 
-def act_words(part: Mapping[str, Any]) -> tuple[str, str, str, str]:
-    """What a spring's deformation and force are called, with their units: `length` and `force`, or angle and torque."""
-    return ("angle", "rad", "torque", "N m") if part.get("unit") == "rad" else ("length", "m", "force", "N")
-
-
 def energy_words(part: Mapping[str, Any]) -> str:
     """How much a spring stores at most, or by how much its energy varies where it has no natural zero."""
     low, high = part["energy"]
