@@ -16,7 +16,7 @@ from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.places import REMEDY, problem_error, where
 from equipoise.sweep import Sweep
-from equipoise.tags import BALANCER, LIMIT, MECHANISM, START, SWEEP
+from equipoise.tags import BALANCER, LIMIT, MAKE, MECHANISM, START, SWEEP
 from equipoise.units import Measured, to_si
 from equipoise.yamlfile import Document, read_yaml
 
@@ -35,7 +35,8 @@ class ProblemFile:
 
     mechanism is a robot file `{model: path}` or a builder; sweep the poses that matter (default: 2048 Sobol
     poses over the joint limits); start {spring: {prescribed: ...}} derives a spring's geometry, from which shape then
-    starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`.
+    starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; make lists cams and drums that
+    `equipoise make` cuts.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -48,6 +49,7 @@ class ProblemFile:
     search: Search = field(default_factory=Search)
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
+    make: tuple[Annotated[Any, MAKE], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
