@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 
 STARTS = 6
 FINEST = 1e-6
@@ -45,14 +45,14 @@ def polish(evaluate: Callable[[Array], Array], poses: Array, magnitude: Array, b
     return Peaks(sample, value[best], points[best])
 
 
-def _climb(evaluate: Callable[[Array], Array], x: Array, row: Array, f: Array, box: Array) -> tuple[Array, Array]:
+def _climb(evaluate: Callable[[Array], Array], x: Array, row: Indices, f: Array, box: Array) -> tuple[Array, Array]:
     swept = np.flatnonzero(box[:, 1] > box[:, 0])
     span = (box[:, 1] - box[:, 0])[swept]
     step = np.full(len(x), 0.02)
     live = np.arange(len(x))
     x, f = x.copy(), f.copy()
 
-    def at(points: Array, rows: Array) -> Array:
+    def at(points: Array, rows: Indices) -> Array:
         flat = points.reshape(-1, points.shape[-1])
         values = evaluate(flat).reshape(*points.shape[:-1], -1)
         return np.take_along_axis(values, rows.reshape(-1, *[1] * (values.ndim - 1)), axis=-1)[..., 0]

@@ -100,17 +100,17 @@ def task_of(
 
 def settle(task: Task) -> Balanced:
     """Solve at the task's geometry; refine between the samples; settle what is free by least stored energy."""
-    started = len(task.sweep.poses)
-    for _ in range(ROUNDS):
+    started, rounds = len(task.sweep.poses), 0
+    while True:
         states = task.mechanism.states(task.sweep)
         program = task.program(states)
         program, solution = tightened(task, program)
         solution = saved(task, states, program, solution)
         found = _between(task, states, program, solution)
-        if not len(found):
-            break
+        rounds += 1
+        if not len(found) or rounds == ROUNDS:
+            return Balanced(task, states, program, solution, len(task.sweep.poses) - started)
         task = replace(task, sweep=task.sweep.extended(found))
-    return Balanced(task, states, program, solution, len(states.driven) // len(task.sweep.scenarios) - started)
 
 
 def tightened(task: Task, program: Program) -> tuple[Program, Solution]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, effort, thrift
 from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
@@ -65,8 +65,9 @@ def shape(
 
     free maps parameter names such as `s1.path.line.0.z` to (low, high), SI. Geometries are screened with the
     exact least-squares inner solution, the best and farthest apart become starts, each descends by sequential
-    convex programming on few states until it is unlikely that an optimum is still unseen, the best finish on all. The same seed gives the same design; progress is
-    called with (starts done, starts, best value). Ctrl-C ends the search with the best design so far.
+    convex programming on few states until it is unlikely that an optimum is still unseen, the best finish on all.
+    The same seed gives the same design; progress is called with (starts done, starts, best value). Ctrl-C ends
+    the search with the best design so far.
     """
     if not free:
         raise InputError("no geometry is free", where="shape", hint="name parameters with bounds, or use balance")
@@ -83,10 +84,11 @@ def shape(
         settle(search.at(optima.best.gamma))
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
     search, best = _refine(search, optima.best, load)
-    for _ in range(REFINED):
-        best = _spare(search, best, load)
+    rounds = 0
+    while True:
+        best, rounds = _spare(search, best, load), rounds + 1
         balanced = settle(search.at(best.gamma))
-        if not balanced.refined:
+        if not balanced.refined or rounds == REFINED:
             break
         # What saves energy may raise the torque between the samples.
         search, best = _refine(replace(search, task=balanced.task), best, load)
@@ -216,7 +218,7 @@ def _spare(search: _Search, best: Local, load: float) -> Local:
     if len([aim for aim in search.task.objective if aim.cap is None]) > 1:
         return best
 
-    def lean(gamma: Array) -> Program:
+    def lean(gamma: Geometry) -> Program:
         return thrift(plain(gamma), candidates(search.task.balancers, names, gamma), states, value)
 
     start = lean(best.gamma[None]).take(0)

@@ -78,7 +78,8 @@ class Driven(Path):
 
         def where(states: States) -> tuple[Array, Array]:
             u, rate = self.crank_angle(states)
-            return self.at(states.mechanism.model).moving(states, *place(u), rate)
+            position, pace = place(u)
+            return self.at(states.mechanism.model).moving(states, position, pace, rate)
 
         return Moving(where, lambda _, name: Point(f"{name}_{part}"))
 

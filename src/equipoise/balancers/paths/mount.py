@@ -54,7 +54,7 @@ class Mount:
     def point(self, x: Any, y: Any) -> Point:
         """The point (x, y) of the mount's plane, m, in its body's frame."""
         e, f, _ = self.frame
-        return Point(self.at.body, tuple(self.at.at[i] + x * e[i] + y * f[i] for i in range(3)))  # type: ignore[arg-type]
+        return Point(self.at.body, tuple(self.at.at[i] + x * e[i] + y * f[i] for i in range(3)))
 
     def moving(self, states: States, place: tuple[Any, Any], pace: tuple[Any, Any], rate: Array) -> tuple[Array, Array]:
         """World position and Jacobian of a point at (x, y) that moves by (dx, dy)/du as u moves by rate du/dq."""

@@ -94,7 +94,7 @@ class SliderCrank(Driven):
         return (px + f * (x - px), py + f * (y - py)), (-py + f * (dx + py), px + f * (dy - px))
 
     @property
-    def lengths(self) -> str:  # type: ignore[override]
+    def lengths(self) -> str:
         """The lengths in words."""
         return f"crank {self.crank * 1e3:.5g} mm, rod {self.rod * 1e3:.5g} mm, offset {self.offset * 1e3:.5g} mm"
 

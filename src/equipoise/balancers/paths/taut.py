@@ -196,7 +196,7 @@ def _turned(before: Array, after: Array, node: Node) -> Array:
     return angle + 2 * np.pi * np.round((node.nominal - np.real(angle)) / (2 * np.pi))
 
 
-def _arctan2(y: Array, x: Array) -> Array:
+def _arctan2(y: Any, x: Any) -> Any:
     """arctan2 whose imaginary part is its derivative, as complex steps want it."""
     angle = np.arctan2(np.real(y), np.real(x))
     if not (np.iscomplexobj(y) or np.iscomplexobj(x)):
