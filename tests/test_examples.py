@@ -18,8 +18,8 @@ EXAMPLES = Path(__file__).parent.parent / "examples"
 G = 9.81
 
 
-def run(name: str, **options):
-    problem = load_problem(EXAMPLES / f"{name}.yaml")
+def run(name: str | Path, **options):
+    problem = load_problem((EXAMPLES / name).with_suffix(".yaml"))
     problem.check()
     pieces = (problem.mechanism, problem.balancers, problem.sweep)
     same = {"objective": problem.objective, "limits": problem.limits}
@@ -93,4 +93,33 @@ def test_monitor_arm():
     angle = math.radians(60)
     longest = math.sqrt(0.12**2 + 0.055**2 + 2 * 0.12 * 0.055 * math.sin(angle))
     assert design.parts()[0]["length"][1] == pytest.approx(longest, rel=1e-9)
+    assert verify(design, poses=500).verification.agrees
+
+
+@pytest.mark.parametrize(("table", "total", "arm"), [("winter", 7.8225, 0.152578), ("de_leva_male", 8.62389, 0.129303)])
+def test_leg_orthosis(table, total, arm, tmp_path):
+    """k l_OB = (M + (m1 + m2) / 2) g frees the hip; a coil that pushes takes the knee's mean pull, and no more."""
+    text = (EXAMPLES / "leg_orthosis.yaml").read_text(encoding="utf-8")
+    (tmp_path / "leg_orthosis.yaml").write_text(
+        text.replace("table: winter", f"table: {table}").replace("152.578 mm", f"{1e3 * arm} mm"), encoding="utf-8"
+    )
+    design = run(tmp_path / "leg_orthosis")
+    k1, k2, height, thigh = design.geometry["s1.law.k"], 500.0, 0.15, {"winter": 0.245}.get(table, 0.2425) * 1.75
+
+    def wire(k, n, length):
+        return math.pi * 7800 * length * math.sqrt(0.04**3 * n * k / (2 * 81e9))
+
+    assert k1 * height == pytest.approx((total + 0.5 * (wire(k1, 66, 8.6) + wire(k2, 62, 7.8))) * G, rel=2e-5)
+    assert design.after["hip"].peak < 1e-4 * design.before["hip"].peak
+    knee = np.radians(np.arange(0, 61))
+    length = np.sqrt(thigh**2 + arm**2 + 2 * thigh * arm * np.cos(knee))
+
+    def left(push):
+        return np.abs(((k1 + k2) * length - push) * thigh * arm * np.sin(knee) / length).max()
+
+    pushes = np.linspace(500, 700, 4001)
+    assert design.after["knee"].sample_peak == pytest.approx(min(map(left, pushes)), rel=1e-3)
+    assert design.parts()[1]["parameters"]["k_free_length"] == pytest.approx(
+        pushes[np.argmin([*map(left, pushes)])], abs=0.1
+    )
     assert verify(design, poses=500).verification.agrees

@@ -44,10 +44,16 @@ _HOME = {
     "Nitrogen": "balancers.laws",
     "Torsion": "balancers.laws",
     "Polynomial": "balancers.laws",
+    "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "payload_rule": "balancers.payload",
+    "Adjustment": "balancers.payload",
     "Force": "limits",
     "Slack": "limits",
+    "Slope": "limits",
+    "Curvature": "limits",
+    "Convex": "limits",
     "Length": "limits",
     "Stroke": "limits",
     "Stiffness": "limits",
@@ -85,16 +91,20 @@ _HOME = {
 
 __all__ = [
     "Absolute",
+    "Adjustment",
     "Affine",
     "Aim",
     "Angle",
+    "BSpline",
     "Block",
     "Cable",
     "Cam",
     "Claim",
     "Coil",
     "Constant",
+    "Convex",
     "Counterweight",
+    "Curvature",
     "Design",
     "DisagreementError",
     "Drum",
@@ -129,6 +139,7 @@ __all__ = [
     "ScotchYoke",
     "Slack",
     "SliderCrank",
+    "Slope",
     "Spring",
     "States",
     "Stiffness",
@@ -150,6 +161,7 @@ __all__ = [
     "load_problem",
     "parallelogram_arm",
     "parallelogram_robot",
+    "payload_rule",
     "report",
     "reproduce",
     "shape",
@@ -174,6 +186,7 @@ if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.laws import (
+        BSpline,
         Coil,
         Constant,
         Gas,
@@ -201,6 +214,7 @@ if TYPE_CHECKING:
         ScotchYoke,
         SliderCrank,
     )
+    from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.spring import Spring
     from equipoise.claim import Claim
     from equipoise.design import Design
@@ -213,7 +227,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
-    from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+    from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr

@@ -59,6 +59,26 @@ class Affine:
         mine, theirs = self.expand(unknowns), other.expand(unknowns)
         return Affine(self.blocks, mine.b + theirs.b, unknowns, mine.A + theirs.A)
 
+    @staticmethod
+    def total(parts: Sequence[Affine]) -> Affine:
+        """The sum of affines on the same blocks."""
+        unknowns = merge_unknowns([part.unknowns for part in parts])
+        place = {unknown.name: index for index, unknown in enumerate(unknowns)}
+        for part in parts:
+            if part.blocks != parts[0].blocks:
+                raise InputError(f"cannot add an effort on {_names(part)} to one on {_names(parts[0])}")
+        kind = np.result_type(*[part.b for part in parts], *[part.A for part in parts])
+        b = np.zeros(np.broadcast_shapes(*[part.b.shape for part in parts]), dtype=kind)
+        A = np.zeros((*b.shape, len(unknowns)), dtype=kind)
+        for part in parts:
+            b += part.b
+            columns = [place[unknown.name] for unknown in part.unknowns]
+            if columns and columns == list(range(columns[0], columns[0] + len(columns))):
+                A[..., columns[0] : columns[0] + len(columns)] += part.A
+            elif columns:
+                A[..., columns] += part.A
+        return Affine(parts[0].blocks, b, unknowns, A)
+
     def expand(self, unknowns: Sequence[Unknown]) -> Affine:
         """The same affine written over a longer list of unknowns."""
         if tuple(unknowns) == self.unknowns:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from equipoise import chunks
 from equipoise.affine import Affine, Array, Block, merge_unknowns
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.spring import STORAGE, Spring
@@ -51,10 +52,7 @@ def effort(mechanism: Mechanism, balancers: Sequence[Balancer], states: States, 
     """The whole residual of a goal: the mechanism's share plus every balancer's; `wrench` follows from `hold`."""
     if goal == "wrench":
         return resultant(states, effort(mechanism, balancers, states))
-    total = mechanism.effort(states, goal)
-    for balancer in balancers:
-        total = total + balancer.effort(states, goal)
-    return total
+    return Affine.total([mechanism.effort(states, goal), *(balancer.effort(states, goal) for balancer in balancers)])
 
 
 def storage(balancers: Sequence[Balancer], states: States) -> Affine:
@@ -80,12 +78,12 @@ def build(
     """The convex program of a balancing problem at one geometry, or at all candidates the balancers carry.
 
     Raises InputError where a length of the states leaves the span of a spring's law; candidates get limits instead.
+    An rms over very many states is summed in chunks.
     """
     for balancer in balancers:
         if isinstance(balancer, Spring):
             balancer.check_span(states)
-    efforts = {goal: effort(mechanism, balancers, states, goal) for goal in dict.fromkeys(a.goal for a in objective)}
-    unknowns = next(iter(efforts.values())).unknowns
+    unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
 
     def hold_at(poses: Array) -> Affine:
         return effort(mechanism, balancers, mechanism.states(sweep.at_poses(poses)))
@@ -93,8 +91,16 @@ def build(
     setting = Setting({balancer.name: balancer for balancer in balancers}, states, hold_at)
     rows = [row for limit in limits for row in limit.rows(setting)]
     rows += implied(balancers, setting)
-    terms = tuple(aim.term(mechanism, efforts[aim.goal], states.weight) for aim in objective)
-    return Program(unknowns, terms, tuple(row.expand(unknowns) for row in rows))
+    efforts: dict[str, Affine] = {}
+    terms = []
+    for aim in objective:
+        if aim.norm == "rms" and chunks.is_big(balancers, states, len(unknowns)):
+            terms.append(chunks.rms_term(mechanism, balancers, states, aim))
+        else:
+            if aim.goal not in efforts:
+                efforts[aim.goal] = effort(mechanism, balancers, states, aim.goal).expand(unknowns)
+            terms.append(aim.term(mechanism, efforts[aim.goal], states.weight))
+    return Program(unknowns, tuple(terms), tuple(row.expand(unknowns) for row in rows))
 
 
 def thrift(program: Program, balancers: Sequence[Balancer], states: States, value: float) -> Program:

@@ -58,7 +58,8 @@ class Certificate:
     """How good the answer is, recomputed from the problem's data.
 
     kind `exact` (residual at rounding level, also off the grid), `convex` (primal, dual and gap) or `local`
-    (starts, how many different optima, the spread of their values, what one more step would gain).
+    (starts, how many different optima, the spread of their values, what one more step would gain). quadrature is
+    how much the objective changes, relatively, on a finer rule over the same region.
     """
 
     kind: str
@@ -73,6 +74,7 @@ class Certificate:
     active: tuple[Active, ...] = ()
     floors: tuple[str, ...] = ()
     flat: tuple[str, ...] = ()
+    quadrature: float | None = None
 
     @property
     def gap(self) -> float:
@@ -166,6 +168,7 @@ class Design:
                 "active": [vars(active) for active in certificate.active],
                 "floors": certificate.floors,
                 "flat": certificate.flat,
+                "quadrature": certificate.quadrature,
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -52,19 +53,24 @@ def resultant(states: States, hold: Affine) -> Affine:
     hold is dV/dq per driven joint; w (N, n) acts on the platform at its point, world axes. Raises InputError where
     the platform's coordinates are singular (pitch at 90 deg).
     """
+    turn = transform(states)
+    A = np.moveaxis(turn(np.moveaxis(hold.A, -1, 0)), 0, -1)
+    return replace(hold, blocks=blocks(states.mechanism), b=turn(hold.b), A=A)
+
+
+def transform(states: States) -> Callable[[Array], Array]:
+    """tau (..., N, nd) -> w (..., N, n), the resultant of a holding effort."""
     platform = platform_of(states.mechanism)
     J = jacobian(states)
     scale = weights(platform)
     if J.shape[1] != J.shape[2]:
         raise InputError(f"{J.shape[1]} rows of a wrench for {J.shape[2]} driven joints", where="platform")
     if _identity(J):
-        b, A = -hold.b * scale, -hold.A * scale[:, None]
-    else:
-        if np.abs(np.linalg.det(J)).min() < SINGULAR:
-            raise InputError("the platform's angles are singular", where="sweep", hint="keep pitch within +-80 deg")
-        turn = -np.swapaxes(np.linalg.inv(J), 1, 2) * scale[:, None]
-        b, A = np.einsum("nij,...nj->...ni", turn, hold.b), turn @ hold.A
-    return replace(hold, blocks=blocks(states.mechanism), b=b, A=A)
+        return lambda tau: -tau * scale
+    if np.abs(np.linalg.det(J)).min() < SINGULAR:
+        raise InputError("the platform's angles are singular", where="sweep", hint="keep pitch within +-80 deg")
+    turn = -np.linalg.inv(J) * scale
+    return lambda tau: (tau[..., None, :] @ turn)[..., 0, :]
 
 
 def _identity(J: Array) -> bool:

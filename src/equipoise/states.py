@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -95,6 +95,19 @@ class States:
 
     def __len__(self) -> int:
         return len(self.driven)
+
+    def take(self, rows: slice) -> States:
+        """Some of the rows."""
+        kin = Kinematics(**{field.name: getattr(self.kin, field.name)[rows] for field in fields(Kinematics)})
+        return States(
+            self.mechanism,
+            self.driven[rows],
+            self.weight[rows],
+            self.payload_points,
+            self.payload_mass[rows],
+            kin,
+            self.D if len(self.D) == 1 else self.D[rows],
+        )
 
     def point(self, point: Point | Spot) -> tuple[Array, Array]:
         """World position p (..., N, 3) and its Jacobian dp/dq_driven (..., N, 3, nd) of a body's point, or of a spot.

@@ -7,6 +7,7 @@ from typing import Any
 
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.laws import (
+    BSpline,
     Coil,
     Constant,
     Gas,
@@ -38,7 +39,7 @@ from equipoise.balancers.paths import (
 )
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
-from equipoise.limits import ExactAt, Force, Length, MassCap, Slack, Stiffness, Stroke
+from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
 from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
@@ -95,6 +96,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
+    "bspline": BSpline,
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
@@ -106,6 +108,9 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "slope": Slope,
+    "curvature": Curvature,
+    "convex": Convex,
 }
 
 

@@ -37,6 +37,7 @@ Number = Annotated[float, Quantity("")]
 Extent = Annotated[float, Quantity("m or rad")]
 Pull = Annotated[float, Quantity("N or N m")]
 Rate = Annotated[float, Quantity("N/m or N m/rad")]
+Bend = Annotated[float, Quantity("N/m^2 or N m/rad^2")]
 Joint = Annotated[float, Quantity("rad or m")]
 Effort = Annotated[float, Quantity("N m or N or ratio")]
 

@@ -1,10 +1,13 @@
 """What must hold: limits answer linear rows for the states of a sweep."""
 
+from equipoise.limits.curve import Convex, Curvature, Slope
 from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
 from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
 
 __all__ = [
+    "Convex",
+    "Curvature",
     "ExactAt",
     "Force",
     "Length",
@@ -12,6 +15,7 @@ __all__ = [
     "MassCap",
     "Setting",
     "Slack",
+    "Slope",
     "Stiffness",
     "Stroke",
     "implied",

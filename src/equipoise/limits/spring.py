@@ -4,35 +4,48 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
 
 import numpy as np
 
 from equipoise import units
-from equipoise.affine import Array, Unknown
+from equipoise.affine import Array
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.laws.law import FORCE, RATE
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
+from equipoise.limits import curve
 from equipoise.limits.limit import Setting
+from equipoise.limits.sides import path_unit, scale_of, sides
 from equipoise.solve.program import Rows
 
 
 @dataclass(frozen=True)
 class Force:
-    """min <= f <= max of a spring's force, N, or torque, N m, at every state; f > 0 pulls."""
+    """min <= f <= max of a spring's force, N, or torque, N m, at every state, or over an interval of length.
+
+    f > 0 pulls. With over (low, high), m or rad, it holds for every length in between, see `limits.curve`; samples
+    asks for that many equally spaced lengths only, and nothing between them.
+    """
 
     spring: str
     max: units.Pull | None = None
     min: units.Pull | None = None
+    over: tuple[units.Extent, units.Extent] | None = None
+    samples: int | None = None
+    orders: ClassVar[tuple[int, ...]] = (0,)
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """B theta <= max - f0 and -B theta <= f0 - min, one row per state."""
         spring = setting.find(self.spring, Spring, "force")
+        if self.over is not None:
+            return curve.rows(self, spring)
+        if self.samples is not None:
+            raise InputError("samples are asked for over no interval", where="limit force", hint="add `over`")
         length, _ = spring.path.deform(setting.states)
         basis, known = spring.law.force_basis(length)
-        return _sides(
-            f"force of {self.spring}", _unit(FORCE, spring), basis, known, spring.unknowns, low=self.min, high=self.max
+        return sides(
+            f"force of {self.spring}", path_unit(FORCE, spring), basis, known, spring.unknowns, self.min, self.max
         )
 
 
@@ -53,9 +66,7 @@ class Slack:
             )
         length, _ = spring.path.deform(setting.states)
         basis, known = spring.law.force_basis(length)
-        return _sides(
-            f"slack of {self.spring}", _unit(FORCE, spring), basis, known, spring.unknowns, low=0.0, high=None
-        )
+        return sides(f"slack of {self.spring}", path_unit(FORCE, spring), basis, known, spring.unknowns, 0.0, None)
 
 
 @dataclass(frozen=True)
@@ -71,7 +82,7 @@ class Length:
         spring = setting.find(self.spring, Spring, "length")
         length, _ = spring.path.deform(setting.states)
         none = np.zeros((*length.shape, 0), dtype=length.dtype)
-        return _sides(f"length of {self.spring}", spring.path.unit, none, length, (), low=self.min, high=self.max)
+        return sides(f"length of {self.spring}", spring.path.unit, none, length, (), self.min, self.max)
 
 
 @dataclass(frozen=True)
@@ -90,7 +101,7 @@ class Stroke:
         shortest = np.take_along_axis(length, np.real(length).argmin(-1)[..., None], axis=-1)
         excess = np.concatenate([length - shortest, longest - length], axis=-1)
         none = np.zeros((*excess.shape, 0), dtype=excess.dtype)
-        rows = _sides(f"stroke of {self.spring}", spring.path.unit, none, excess, (), low=None, high=self.max)
+        rows = sides(f"stroke of {self.spring}", spring.path.unit, none, excess, (), None, self.max)
         count = length.shape[-1]
         return tuple(Rows(r.limit, r.unit, r.G, r.h, (), np.arange(2 * count) % count, scale=r.scale) for r in rows)
 
@@ -114,8 +125,8 @@ class Stiffness:
         if straight and not np.ndim(getattr(spring.law, "k", 0.0)):
             # The rate itself follows no geometry: one plain row.
             basis, known = np.real(basis.reshape(-1, *basis.shape[-2:])[0]), np.real(known.reshape(-1, 1)[0])
-        unit = _unit(RATE, spring)
-        return _sides(f"stiffness of {self.spring}", unit, basis, known, spring.unknowns, low=self.min, high=self.max)
+        unit = path_unit(RATE, spring)
+        return sides(f"stiffness of {self.spring}", unit, basis, known, spring.unknowns, self.min, self.max)
 
 
 @dataclass(frozen=True)
@@ -130,7 +141,7 @@ class MassCap:
         weight = setting.find(self.counterweight, Counterweight, "mass")
         mass = [u for u in weight.unknowns if u.name == f"{weight.owner}.m"]
         basis, known = (np.ones((1, 1)), np.zeros(1)) if mass else (np.zeros((1, 0)), np.array([weight.mass]))
-        return _sides(f"mass of {self.counterweight}", "kg", basis, known, tuple(mass), low=None, high=self.max)
+        return sides(f"mass of {self.counterweight}", "kg", basis, known, tuple(mass), None, self.max)
 
 
 def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tuple[Rows, ...]:
@@ -148,7 +159,7 @@ def _span(spring: Spring, setting: Setting) -> list[Rows]:
     """The lengths stay within the law's span; an unknown free length lies between closed and shortest length."""
     law = spring.law
     free = any(u.name == f"{spring.owner}.k_free_length" for u in spring.unknowns)
-    if law.span == (None, None) and not free:
+    if all(end is None for end in law.span) and not free:
         return []
     length, _ = spring.path.deform(setting.states)
     rows: list[Rows] = []
@@ -158,7 +169,9 @@ def _span(spring: Spring, setting: Setting) -> list[Rows]:
             none = np.zeros((*room.shape, 0), dtype=room.dtype)
             value = units.text(float(np.real(np.ravel(end)[0])), spring.path.unit)
             limit = f"{law.span_words} of {spring.name} ({value})"
-            rows.append(Rows(limit, spring.path.unit, none, room, (), np.arange(room.shape[-1]), scale=_scale(length)))
+            rows.append(
+                Rows(limit, spring.path.unit, none, room, (), np.arange(room.shape[-1]), scale=scale_of(length))
+            )
     return rows + _free_length(spring, length) if free else rows
 
 
@@ -196,38 +209,6 @@ def _reach(weight: Counterweight) -> list[Rows]:
             Rows(limit, "kg m", G, np.full(6, weight.reach * weight.mass), moments, scale=weight.reach * weight.mass)
         ]
     return [Rows(limit, "kg m", np.hstack([np.full((6, 1), -weight.reach), G]), np.zeros(6), unknowns)]
-
-
-def _sides(
-    what: str, unit: str, basis: Array, known: Array, unknowns: tuple[Unknown, ...], *, low: Any, high: Any
-) -> tuple[Rows, ...]:
-    """Rows of low <= basis theta + known <= high, one per state."""
-    if low is None and high is None:
-        raise InputError(f"{what} has neither min nor max", where="limits", hint="give min, max or both")
-    if low is not None and high is not None and low > high:
-        raise InputError(f"{what}: min {low:g} is above max {high:g} {unit}", where="limits")
-    for value in (low, high):
-        if isinstance(value, units.Measured) and value.unit not in ("", unit):
-            raise InputError(f"{what}: the limit is in {value.unit}, it must be in {unit}", where="limits")
-    state = np.arange(known.shape[-1])
-    rows = []
-    if high is not None:
-        scale = max(abs(high), 1e-9) if high else _scale(known)
-        rows.append(
-            Rows(f"{what} <= {units.text(high, unit)}", unit, basis, high - known, unknowns, state, scale=scale)
-        )
-    if low is not None:
-        scale = abs(low) if low else _scale(known)
-        rows.append(Rows(f"{what} >= {units.text(low, unit)}", unit, -basis, known - low, unknowns, state, scale=scale))
-    return tuple(rows)
-
-
-def _unit(unit: str, spring: Spring) -> str:
-    return units.along_path(unit, spring.path.unit)
-
-
-def _scale(known: Array) -> float:
-    return max(float(np.abs(np.real(known)).max(initial=0.0)), 1.0)
 
 
 def _positive(value: float, what: str, name: str) -> None:

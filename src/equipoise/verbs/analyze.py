@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equipoise import chunks
 from equipoise.affine import Array, magnitudes
 from equipoise.assemble import Balancer, effort
 from equipoise.design import Row
@@ -121,6 +122,8 @@ def tables(
     for goal in goals:
 
         def evaluate(other: States, goal: str = goal) -> Array:
+            if chunks.is_big(balancers, other, len(theta)):
+                return chunks.residual(mechanism, balancers, other, goal, theta)
             return effort(mechanism, balancers, other, goal).at(theta)
 
         found |= table(mechanism, sweep, states, evaluate(states), evaluate, goal)

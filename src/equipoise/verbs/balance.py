@@ -9,9 +9,10 @@ import numpy as np
 
 from equipoise.affine import Array, Unknown, magnitudes
 from equipoise.assemble import Balancer, build, check, effort, thrift
+from equipoise.balancers.spring import Spring
 from equipoise.design import Active, Certificate, Design
-from equipoise.errors import InfeasibleError, InputError
-from equipoise.limits import Limit
+from equipoise.errors import EquipoiseError, InfeasibleError, InputError
+from equipoise.limits import Limit, curve
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective, goals_of
 from equipoise.peaks import polish
@@ -25,6 +26,11 @@ EXACT = 1e-9
 FLOOR = 1e-6
 ROUNDS = 12
 BETWEEN = 1e-7
+CUTS = 60
+SAVED = 20_000
+"""States over which stored energy is judged."""
+BETWEEN_LENGTHS = 1e-10
+"""Relative excess of a limit over an interval at its worst length."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,12 +104,34 @@ def settle(task: Task) -> Balanced:
     while True:
         states = task.mechanism.states(task.sweep)
         program = task.program(states)
-        solution = saved(task, states, program, solve(program))
+        program, solution = tightened(task, program)
+        solution = saved(task, states, program, solution)
         found = _between(task, states, program, solution)
         rounds += 1
         if not len(found) or rounds == ROUNDS:
             return Balanced(task, states, program, solution, len(task.sweep.poses) - started)
         task = replace(task, sweep=task.sweep.extended(found))
+
+
+def tightened(task: Task, program: Program) -> tuple[Program, Solution]:
+    """Solve, and add the worst lengths of limits over intervals, until every length keeps them."""
+    springs = {balancer.name: balancer for balancer in task.balancers if isinstance(balancer, Spring)}
+    curves = [limit for limit in task.limits if isinstance(limit, curve.Curve) and limit.over and limit.samples is None]
+    for _ in range(CUTS):
+        solution = solve(program)
+        values = {u.name: float(v) for u, v in zip(program.unknowns, solution.theta, strict=True)}
+        added: list[Rows] = []
+        for limit in curves:
+            spring = springs[limit.spring]
+            lengths = curve.outside(limit, spring, values, BETWEEN_LENGTHS)
+            if len(lengths):
+                added += [rows.expand(program.unknowns) for rows in curve.rows(limit, spring, lengths)]
+        if not added:
+            return program, solution
+        program = replace(program, rows=(*program.rows, *added))
+    raise EquipoiseError(
+        f"the limits over intervals did not settle in {CUTS} rounds", where="limits", hint="use a lower degree"
+    )
 
 
 def saved(task: Task, states: States, program: Program, solution: Solution) -> Solution:
@@ -114,6 +142,9 @@ def saved(task: Task, states: States, program: Program, solution: Solution) -> S
     """
     if not program.unknowns or len([term for term in program.terms if term.cap is None]) > 1:
         return solution
+    if program.terms[0].norm == "rms" and not len(solution.flat):
+        return solution
+    states = states.take(slice(None, None, 1 + len(states) // SAVED))
     value = max(solution.objective, 1e-13 * sum(program.loads))
     lean = thrift(program, task.balancers, states, value * (1 + 1e-8))
     theta = solution.theta
@@ -233,7 +264,22 @@ def certify(balanced: Balanced) -> Certificate:
         active=active_limits(program, solution, unit),
         floors=floors(program, balanced, np.abs(solution.theta)),
         flat=tuple(_direction(vector, program) for vector in solution.flat),
+        quadrature=quadrature_error(balanced),
     )
+
+
+def quadrature_error(balanced: Balanced) -> float | None:
+    """|N_finer / N - 1| of the objective at the same values, where the sweep knows a finer rule and averages count."""
+    task, solution = balanced.task, balanced.solution
+    counted = [aim for aim in task.objective if aim.cap is None and aim.norm != "peak"]
+    if task.sweep.finer is None or not counted:
+        return None
+    finer = replace(task, sweep=task.sweep.finer(), objective=tuple(counted), limits=())
+    value = [
+        term.factor * term.value(solution.theta) for term in finer.program(finer.mechanism.states(finer.sweep)).terms
+    ]
+    here = [t.factor * t.value(solution.theta) for t in balanced.program.terms if t.cap is None and t.norm != "peak"]
+    return abs(sum(value) / sum(here) - 1) if sum(here) > 0 else 0.0
 
 
 def is_exact(balanced: Balanced) -> bool:

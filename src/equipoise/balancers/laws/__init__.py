@@ -1,5 +1,6 @@
 """Laws: forces affine in their unknowns, f = B(l) theta + f0, with their integral E(l); one idea per file."""
 
+from equipoise.balancers.laws.bspline import BSpline
 from equipoise.balancers.laws.coil import Coil
 from equipoise.balancers.laws.gas import Gas
 from equipoise.balancers.laws.hydro_pneumatic import HydroPneumatic
@@ -12,6 +13,7 @@ from equipoise.balancers.laws.torsion import Torsion
 from equipoise.balancers.laws.wire import WireMass
 
 __all__ = [
+    "BSpline",
     "Coil",
     "Constant",
     "Gas",

@@ -63,3 +63,10 @@ class Mount:
         turned = states.rotation(self.at.body)[0]
         drift = np.asarray(pace[0])[..., None] * (turned @ e) + np.asarray(pace[1])[..., None] * (turned @ f)
         return position, jacobian + drift[..., None] * rate[..., None, :]
+
+
+def along_mount(at: Point, direction: Array) -> Mount:
+    """A mount at a point whose direction is given and whose axis is any square to it."""
+    e = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
+    axis = np.cross(e, np.eye(3)[int(np.abs(e).argmin())])
+    return Mount(at, tuple(e.tolist()), tuple((axis / np.linalg.norm(axis)).tolist()))
