@@ -124,7 +124,7 @@ def settle(task: Task) -> Balanced:
 def tightened(task: Task, program: Program) -> tuple[Program, Solution]:
     """Solve, and add the worst lengths of limits over intervals, until every length keeps them."""
     springs = {balancer.name: balancer for balancer in task.balancers if isinstance(balancer, Spring)}
-    curves = [limit for limit in task.limits if getattr(limit, "over", None) and limit.samples is None]
+    curves = [limit for limit in task.limits if isinstance(limit, curve.Curve) and limit.over and limit.samples is None]
     for _ in range(CUTS):
         solution = solve(program)
         values = {u.name: float(v) for u, v in zip(program.unknowns, solution.theta, strict=True)}
