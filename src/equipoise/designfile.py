@@ -56,7 +56,7 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
     ordered = {unknown.name: values[unknown.name] for unknown in whole.unknowns}
     theta = np.array(list(ordered.values()))
     mechanism, sweep = problem.mechanism, problem.sweep
-    goals = goals_of(problem.objective)
+    before, after = tables(mechanism, sweep, states, balancers, theta, goals_of(problem.objective))
     design = Design(
         mechanism=mechanism,
         balancers=balancers,
@@ -66,8 +66,8 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         limits=problem.limits,
         values=ordered,
         units={u.name: u.unit for u in whole.unknowns} | {g: unit_of(balancers, g) for g in geometry},
-        before=tables(mechanism, sweep, states, (), np.zeros(0), goals),
-        after=tables(mechanism, sweep, states, balancers, theta, goals),
+        before=before,
+        after=after,
         certificate=_certificate(data.get("certificate"), name),
         geometry=geometry,
         bounds={parameter: problem.bounds[parameter] for parameter in geometry},

@@ -13,7 +13,8 @@ import numpy as np
 from mujoco.batch import Batch
 
 from equipoise.affine import Affine, Array, Block
-from equipoise.errors import InputError, ModelError, nearest
+from equipoise.errors import InputError, nearest
+from equipoise.models.notices import refusals
 from equipoise.units import Acceleration
 
 if TYPE_CHECKING:
@@ -217,9 +218,6 @@ class Mechanism:
 
 
 def compile_spec(spec: mujoco.MjSpec, name: str) -> mujoco.MjModel:
-    """Compile a spec; MuJoCo's own message becomes a ModelError."""
-    try:
+    """Compile a spec; MuJoCo's own message becomes a ModelError, its warnings never a log file."""
+    with refusals(name):
         return spec.compile()
-    except ValueError as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"MuJoCo refuses the model: {reason}", where=name) from None

@@ -54,17 +54,19 @@ class Aim:
         return tuple(block for block in goal_blocks(mechanism, self.goal) if block.name in names)
 
     def counted(self, mechanism: Mechanism) -> tuple[str, ...]:
-        """Names of the driven joints, or of the resultant, that count."""
+        """Names of the driven joints, in the mechanism's order, or of the resultant, that count."""
         if self.goal != "hold":
             if self.joints or self.divisor:
                 what = "joints" if self.joints else "divisor"
                 raise InputError(f"goal {self.goal} has no {what}", where=f"objective.{what}", hint="leave it out")
             return tuple(block.name for block in goal_blocks(mechanism, self.goal))
-        for joint in self.joints or ():
+        for place, joint in enumerate(self.joints or ()):
             if joint not in mechanism.driven:
                 hint = nearest(joint, mechanism.driven)
                 raise InputError(f"joint {joint!r} is not driven", where="objective.joints", hint=hint)
-        return self.joints or mechanism.driven
+            if joint in (self.joints or ())[:place]:
+                raise InputError(f"joint {joint!r} is named twice", where="objective.joints", hint="name it once")
+        return tuple(joint for joint in mechanism.driven if not self.joints or joint in self.joints)
 
     def scales(self, mechanism: Mechanism) -> Array:
         """Factor of every counted block: 1, or one over the joint's motor limit."""

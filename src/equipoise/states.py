@@ -12,6 +12,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.loops import ancestors, close_loops
 from equipoise.mechanism import Mechanism, Point
+from equipoise.models.notices import errors
 
 if TYPE_CHECKING:
     from equipoise.sweep import Sweep
@@ -53,7 +54,8 @@ def kinematics(mechanism: Mechanism, q: Array) -> Kinematics:
     batch.bind("qpos")[:] = q
     names = ("xpos", "xmat", "subtree_com", "cdof", "qfrc_bias", "qfrc_spring", "energy")
     bound = [batch.bind(name) for name in names]
-    batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
+    with errors(mechanism.name):
+        batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
     xpos, xmat, com, cdof, bias, spring, energy = (np.array(array) for array in bound)
     return Kinematics(
         q=q,

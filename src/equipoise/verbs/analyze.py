@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ from equipoise.mechanism import Mechanism
 from equipoise.objective import goal_blocks
 from equipoise.peaks import polish
 from equipoise.states import States
+from equipoise.steepness import steepness
 from equipoise.sweep import Sweep
 
 Evaluate = Callable[[States], Array]
@@ -83,30 +84,41 @@ def _reason(joint: str, rows: dict[str, Row]) -> str:
 
 
 def table(
-    mechanism: Mechanism, sweep: Sweep, states: States, residual: Array, evaluate: Evaluate, goal: str = "hold"
+    mechanism: Mechanism,
+    sweep: Sweep,
+    states: States,
+    residual: Array,
+    evaluate: Evaluate,
+    goal: str = "hold",
+    known: Mapping[str, Row] | None = None,
 ) -> dict[str, Row]:
     """A row per block of a goal's residual (N, R): norms over the sweep's weights, peaks polished.
 
-    evaluate(states) -> (N, R) answers the residual at other states.
+    evaluate(states) -> (N, R) answers the residual at other states; known rows are taken as they are.
     """
+    known = known or {}
     weight = states.weight / states.weight.sum()
     limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True)) if goal == "hold" else {}
     blocks = goal_blocks(mechanism, goal)
     sizes = tuple(block.size for block in blocks)
     size = magnitudes(residual, sizes)
-    sampled = size.reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    peaks = polish(lambda poses: worst(mechanism, sweep, poses, evaluate, sizes), sweep.poses, sampled, sweep.box)
-    return {
-        block.name: Row(
-            peak=float(peaks.value[i]),
-            sample_peak=float(peaks.sample[i]),
+    new = np.array([place for place, block in enumerate(blocks) if block.name not in known], dtype=int)
+    sampled = size[:, new].reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
+    every = np.arange(residual.shape[1])
+    probe = steepness(mechanism, sweep, goal, evaluate, every, np.ones(len(every)), sizes)
+    peaks = polish(lambda poses, rows: probe(poses, new[rows]), sweep.poses, sampled, sweep.box)
+    found = {
+        blocks[i].name: Row(
+            peak=float(peak),
+            sample_peak=float(sample),
             rms=float(np.sqrt(weight @ size[:, i] ** 2)),
             mean=float(weight @ size[:, i]),
-            unit=block.unit,
-            limit=float(limits[block.name]) if np.isfinite(limits.get(block.name, np.inf)) else None,
+            unit=blocks[i].unit,
+            limit=float(limits[blocks[i].name]) if np.isfinite(limits.get(blocks[i].name, np.inf)) else None,
         )
-        for i, block in enumerate(blocks)
+        for i, peak, sample in zip(new, peaks.value, peaks.sample, strict=True)
     }
+    return {block.name: known.get(block.name) or found[block.name] for block in blocks}
 
 
 def tables(
@@ -116,21 +128,25 @@ def tables(
     balancers: Sequence[Balancer],
     theta: Array,
     goals: Sequence[str],
-) -> dict[str, Row]:
-    """The rows of several goals, with balancers at given values."""
-    found: dict[str, Row] = {}
+) -> tuple[dict[str, Row], dict[str, Row]]:
+    """The rows of several goals, without balancers and with them at given values."""
+    before: dict[str, Row] = {}
+    after: dict[str, Row] = {}
     for goal in goals:
+
+        def bare(other: States, goal: str = goal) -> Array:
+            return effort(mechanism, (), other, goal).b
 
         def evaluate(other: States, goal: str = goal) -> Array:
             if chunks.is_big(balancers, other, len(theta)):
                 return chunks.residual(mechanism, balancers, other, goal, theta)
             return effort(mechanism, balancers, other, goal).at(theta)
 
-        found |= table(mechanism, sweep, states, evaluate(states), evaluate, goal)
-    return found
-
-
-def worst(mechanism: Mechanism, sweep: Sweep, poses: Array, evaluate: Evaluate, sizes: Sequence[int]) -> Array:
-    """Magnitudes (M, B) of blocks of the given sizes at poses (M, nd), the worst over the payload scenarios."""
-    states = mechanism.states(sweep.at_poses(poses))
-    return magnitudes(evaluate(states), sizes).reshape(len(sweep.scenarios), len(poses), -1).max(axis=0)
+        without, with_them = bare(states), evaluate(states)
+        rows = table(mechanism, sweep, states, without, bare, goal)
+        ends = np.cumsum([block.size for block in goal_blocks(mechanism, goal)])
+        same = np.logical_and.reduceat((without == with_them).all(axis=0), np.append(0, ends[:-1]))
+        untouched = {name: row for (name, row), alike in zip(rows.items(), same, strict=True) if alike}
+        before |= rows
+        after |= table(mechanism, sweep, states, with_them, evaluate, goal, untouched)
+    return before, after

@@ -15,17 +15,20 @@ from equipoise.errors import EquipoiseError, InfeasibleError, InputError
 from equipoise.limits import Limit, curve
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective, goals_of
-from equipoise.peaks import polish
+from equipoise.peaks import STARTS, polish
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.verbs.analyze import tables, worst
+from equipoise.steepness import steepness
+from equipoise.verbs.analyze import tables
 
 EXACT = 1e-9
-FLOOR = 1e-6
-ROUNDS = 12
+FLOOR = 5e-6
+ROUNDS = 24
+FEW = 6
 BETWEEN = 1e-7
+NEAR = 0.5
 CUTS = 60
 SAVED = 20_000
 """States over which stored energy is judged."""
@@ -101,15 +104,21 @@ def task_of(
 def settle(task: Task) -> Balanced:
     """Solve at the task's geometry; refine between the samples; settle what is free by least stored energy."""
     started = len(task.sweep.poses)
+    found = task.sweep.poses[:0]
+    starts = STARTS
     for _ in range(ROUNDS):
+        task = replace(task, sweep=task.sweep.extended(found))
         states = task.mechanism.states(task.sweep)
         program = task.program(states)
         program, solution = tightened(task, program)
         solution = saved(task, states, program, solution)
-        found = _between(task, states, program, solution)
+        found = _between(task, states, program, solution, starts)
+        if not len(found) and starts == FEW:
+            found = _between(task, states, program, solution, STARTS)
         if not len(found):
             break
-        task = replace(task, sweep=task.sweep.extended(found))
+        # The hills found now are among the samples of the next round: a few starts follow them.
+        starts = FEW
     return Balanced(task, states, program, solution, len(states.driven) // len(task.sweep.scenarios) - started)
 
 
@@ -193,7 +202,7 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
     return theta + solve(Program(moves, (term,), tuple(rows))).theta @ directions
 
 
-def _between(task: Task, states: States, program: Program, solution: Solution) -> Array:
+def _between(task: Task, states: States, program: Program, solution: Solution, starts: int) -> Array:
     """Poses between the samples whose peak exceeds the solved one; none for grids, lists and other norms."""
     aims = [aim for aim in task.objective if aim.cap is None]
     if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak":
@@ -202,19 +211,30 @@ def _between(task: Task, states: States, program: Program, solution: Solution) -
     sizes = tuple(block.size for block in aims[0].blocks(task.mechanism))
 
     def residual(other: States) -> Array:
-        return effort(task.mechanism, task.balancers, other, aims[0].goal).at(solution.theta)[:, columns] * scale
+        return effort(task.mechanism, task.balancers, other, aims[0].goal).at(solution.theta)
 
-    size = magnitudes(residual(states), sizes)
+    size = magnitudes(residual(states)[:, columns] * scale, sizes)
     sampled = size.reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
-    peaks = polish(
-        lambda poses: worst(task.mechanism, task.sweep, poses, residual, sizes),
-        task.sweep.poses,
-        sampled,
-        task.sweep.box,
-    )
     level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
+    # A row far below the level at every sample does not reach it between them.
+    near = np.flatnonzero(sampled.max(axis=0) >= NEAR * level)
+    probe = steepness(task.mechanism, task.sweep, aims[0].goal, residual, columns, scale, sizes)
+    peaks = polish(lambda poses, rows: probe(poses, near[rows]), task.sweep.poses, sampled[:, near],
+                   task.sweep.box, starts)  # fmt: skip
     load = max(float(np.abs(term.b).max()) for term in program.terms)
-    return peaks.pose[peaks.value > level * (1 + BETWEEN) + 1e-12 * load]
+    if not (peaks.value > level * (1 + BETWEEN) + 1e-12 * load).any():
+        return states.driven[:0]
+    # Lower hills come along: they rise as soon as the highest are pressed down.
+    return _apart(peaks.hills[peaks.height >= NEAR * level], task.sweep.box)
+
+
+def _apart(poses: Array, box: Array | None) -> Array:
+    """Poses that differ from each other by more than 1e-4 of the box in some joint."""
+    if box is None or not len(poses):
+        return poses
+    span = np.where(box[:, 1] > box[:, 0], box[:, 1] - box[:, 0], 1.0)
+    _, first = np.unique(np.round((poses - box[:, 0]) / span, 4), axis=0, return_index=True)
+    return poses[np.sort(first)]
 
 
 def finish(
@@ -228,8 +248,7 @@ def finish(
     """Put a solved task into words and tables."""
     task, states, unknowns = balanced.task, balanced.states, balanced.program.unknowns
     goals = goals_of(task.objective)
-    before = tables(task.mechanism, task.sweep, states, (), np.zeros(0), goals)
-    after = tables(task.mechanism, task.sweep, states, task.balancers, balanced.solution.theta, goals)
+    before, after = tables(task.mechanism, task.sweep, states, task.balancers, balanced.solution.theta, goals)
     return Design(
         mechanism=task.mechanism,
         balancers=task.balancers,

@@ -15,8 +15,8 @@ from equipoise.affine import Array
 from equipoise.balancers.spring import Spring, actuator_name, add_point_mass
 from equipoise.design import Design
 from equipoise.errors import LoopError, ModelError, nearest
-from equipoise.mechanism import Mechanism
-from equipoise.models.notices import listen, refusals
+from equipoise.mechanism import Mechanism, compile_spec
+from equipoise.models.notices import listen
 from equipoise.states import States
 from equipoise.verification.findings import Disagreement, JointError
 from equipoise.verification.saved import reload
@@ -137,8 +137,7 @@ def holding(
             add_point_mass(loaded, f"payload {index + 1} of the verification", point.body, point.at, float(mass))
         for name in forces:
             _drive(loaded, name)
-        with refusals(mechanism.name):
-            model = loaded.compile()
+        model = compile_spec(loaded, mechanism.name)
         springs = _quieten(model, mechanism.model)
         for start in range(0, len(rows), CHUNK):
             part = rows[start : start + CHUNK]
