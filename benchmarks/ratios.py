@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 import cvxpy as cp
 import mujoco
@@ -153,9 +154,7 @@ def shape() -> None:
         free = dict(list(FREE.items())[:count])
         for norm in ("rms", "peak"):
             limits = [eq.Length("s1", min=0.3)] if count == 4 else [eq.Slack("s1")]
-            run = lambda norm=norm, free=free, spring=spring, limits=limits: eq.shape(  # noqa: E731
-                link, [spring], grid, free, norm=norm, limits=limits
-            )
+            run = partial(eq.shape, link, [spring], grid, free, norm=norm, limits=limits)
             ours, value = best_of(2, run), run().certificate.primal
             reached, best = evolution(lambda x, norm=norm: plain_cost(x, norm), list(free.values()), value)
             line(
@@ -167,7 +166,7 @@ def shape() -> None:
             )
             states = link.states(grid)
 
-            def model_cost(x: np.ndarray, norm=norm, free=free, spring=spring, limits=limits) -> float:
+            def model_cost(x, norm=norm, free=free, spring=spring, limits=limits, states=states):
                 from equipoise.parameters import write
 
                 moved = write([spring], dict(zip(free, x.tolist(), strict=True)))

@@ -18,8 +18,8 @@ EXAMPLES = Path(__file__).parent.parent / "examples"
 G = 9.81
 
 
-def run(name: str, **options):
-    problem = load_problem(EXAMPLES / f"{name}.yaml")
+def run(name: str | Path, **options):
+    problem = load_problem((EXAMPLES / name).with_suffix(".yaml"))
     problem.check()
     pieces = (problem.mechanism, problem.balancers, problem.sweep)
     same = {"objective": problem.objective, "limits": problem.limits}
@@ -94,4 +94,62 @@ def test_monitor_arm():
     angle = math.radians(60)
     longest = math.sqrt(0.12**2 + 0.055**2 + 2 * 0.12 * 0.055 * math.sin(angle))
     assert design.parts()[0]["length"][1] == pytest.approx(longest, rel=1e-9)
+    assert verify(design, poses=500).verification.agrees
+
+
+@pytest.mark.parametrize(("table", "total", "arm"), [("winter", 7.8225, 0.152578), ("de_leva_male", 8.62389, 0.129303)])
+def test_leg_orthosis(table, total, arm, tmp_path):
+    """k l_OB = (M + (m1 + m2) / 2) g frees the hip; a coil that pushes takes the knee's mean pull, and no more."""
+    text = (EXAMPLES / "leg_orthosis.yaml").read_text(encoding="utf-8")
+    (tmp_path / "leg_orthosis.yaml").write_text(
+        text.replace("table: winter", f"table: {table}").replace("152.578 mm", f"{1e3 * arm} mm"), encoding="utf-8"
+    )
+    design = run(tmp_path / "leg_orthosis")
+    k1, k2, height, thigh = design.geometry["s1.law.k"], 500.0, 0.15, {"winter": 0.245}.get(table, 0.2425) * 1.75
+
+    def wire(k, n, length):
+        return math.pi * 7800 * length * math.sqrt(0.04**3 * n * k / (2 * 81e9))
+
+    assert k1 * height == pytest.approx((total + 0.5 * (wire(k1, 66, 8.6) + wire(k2, 62, 7.8))) * G, rel=2e-5)
+    assert design.after["hip"].peak < 1e-4 * design.before["hip"].peak
+    knee = np.radians(np.arange(0, 61))
+    length = np.sqrt(thigh**2 + arm**2 + 2 * thigh * arm * np.cos(knee))
+
+    def left(push):
+        return np.abs(((k1 + k2) * length - push) * thigh * arm * np.sin(knee) / length).max()
+
+    pushes = np.linspace(500, 700, 4001)
+    assert design.after["knee"].sample_peak == pytest.approx(min(map(left, pushes)), rel=1e-3)
+    assert design.parts()[1]["parameters"]["k_free_length"] == pytest.approx(
+        pushes[np.argmin([*map(left, pushes)])], abs=0.1
+    )
+    assert verify(design, poses=500).verification.agrees
+
+
+def test_quaglia_arm():
+    design = run("quaglia_arm")
+    g, radius = 9.8, 0.2
+    # Each crank and yoke is a counterweight that goes down as its link rises.
+    lift1 = ((100 * 0.6 + 40 * 1.2) * g - 4 * g * radius / 2) / radius - 12 * g
+    lift2 = (40 * 0.5 * g - 2 * g * radius / 2) / radius - 5 * g
+    assert design.values["lift1.force"] == pytest.approx(lift1, rel=1e-9)
+    assert design.values["lift2.force"] == pytest.approx(lift2, rel=1e-9)
+    assert design.certificate.kind == "exact"
+    assert max(row.peak for row in design.after.values()) < 1e-9
+    assert design.before["link1_joint"].peak == pytest.approx(abs(1058.4 + 196 * np.exp(0.1j * np.pi)), rel=1e-6)
+    assert not design.missed
+    assert verify(design, poses=500).verification.agrees
+
+
+def test_quaglia_gas():
+    design = run("quaglia_gas", starts=2)
+    box = design.sweep.box
+    q1, q2 = (axis.ravel() for axis in np.meshgrid(*(np.linspace(*span, 401) for span in box), indexing="ij"))
+    swing = 10 * 9.8 * (1.2 * np.cos(q1) + np.real((1.05 + 0.12j) * np.exp(1j * (q1 + q2))))
+    # Half the load's own torque is the floor; the gas springs' own errors hide below it.
+    floor = np.abs(swing).max() / 2
+    assert floor <= design.after["link1_joint"].peak * (1 + 1e-4)
+    assert design.after["link1_joint"].peak <= 1.003 * floor
+    assert design.after["link2_joint"].peak >= 5 * 9.8 * abs(1.05 + 0.12j) * (1 - 1e-3)
+    assert not design.missed
     assert verify(design, poses=500).verification.agrees

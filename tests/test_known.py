@@ -208,7 +208,9 @@ def test_exact_at_a_pose_and_its_conflict():
     state = arm.states(eq.Sweep.of_poses(arm, [{"link_joint": np.radians(150)}]))
     assert abs(design.residual(state)[0, 0]) < 1e-9
     both = eq.ExactAt(({"link_joint": np.radians(130)}, {"link_joint": np.radians(170)}))
-    with pytest.raises(eq.InfeasibleError, match="exact balance of link_joint at link_joint = 2.269 and exact balance"):
+    with pytest.raises(
+        eq.InfeasibleError, match=r"exact balance of link_joint at link_joint = 2\.269 and exact balance"
+    ):
         eq.balance(arm, two, degrees(arm, 120, 180), limits=[both])
 
 

@@ -94,14 +94,14 @@ def test_four_bar_closure_and_torque():
     model = pin.Model()
     model.gravity.linear = bar.gravity
     # The hinge axis is (0, -1, 0), as in every planar builder.
-    hinge = lambda: pin.JointModelRevoluteUnaligned(np.array([0.0, -1.0, 0.0]))  # noqa: E731
+    axis = np.array([0.0, -1.0, 0.0])
     parents = {
         "crank": (0, np.zeros(3)),
         "coupler": (1, np.array([crank, 0, 0])),
         "rocker": (0, np.array([ground, 0, 0])),
     }
     for (name, (parent, at)), mass, com in zip(parents.items(), masses, coms, strict=True):
-        joint = model.addJoint(parent, hinge(), pin.SE3(np.eye(3), at), name)
+        joint = model.addJoint(parent, pin.JointModelRevoluteUnaligned(axis), pin.SE3(np.eye(3), at), name)
         inertia = pin.Inertia(mass, np.array([com[0], 0.0, com[1]]), 1e-3 * np.eye(3))
         model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
     data = model.createData()

@@ -1,8 +1,13 @@
-"""The public names: what `equipoise` offers flat, and that nothing shadows it."""
+"""The public names: what `equipoise` offers flat, that nothing shadows it, and what importing it does not load."""
 
 from __future__ import annotations
 
+import ast
+import importlib
+import inspect
 import pkgutil
+
+import pytest
 
 import equipoise as eq
 
@@ -11,3 +16,31 @@ def test_no_module_bears_a_public_name():
     modules = {module.name for module in pkgutil.iter_modules(eq.__path__)}
     assert modules
     assert not modules & set(eq.__all__)
+
+
+def test_the_lists_of_public_names_agree():
+    tree = ast.parse(inspect.getsource(eq))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    typed = {
+        alias.name: node.module.removeprefix("equipoise.")
+        for node in block.body
+        if isinstance(node, ast.ImportFrom) and node.module
+        for alias in node.names
+    }
+    assert typed == eq._HOME
+    assert sorted(eq.__all__) == sorted(["__version__", *eq._HOME])
+
+
+@pytest.mark.parametrize("name", eq.__all__)
+def test_every_public_name_answers(name):
+    value = getattr(eq, name)
+    if name in eq._HOME:
+        home = importlib.import_module(f"equipoise.{eq._HOME[name]}")
+        assert value is getattr(home, name)
+        assert (value.__doc__ or "").strip()
+    assert name in dir(eq)
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'Sprig'"):
+        eq.Sprig  # noqa: B018

@@ -202,7 +202,7 @@ def test_map_of_a_norm_shows_optimum_and_conflict():
     with styled():
         made = figure(6, 4)
         ax = made.subplots()
-        draw_map(ax, x, y, Z, ("x [mm]", "z [mm]"), (30.0, 90.0), "peak [N m]")
+        draw_map(ax, x, y, Z, labels=("x [mm]", "z [mm]"), optimum=(30.0, 90.0), unit="peak [N m]")
         made.canvas.draw()
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["limits conflict", "optimum"]
     assert ax.get_xlabel() == "x [mm]"

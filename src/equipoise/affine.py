@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from equipoise.errors import InputError
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+Geometry = NDArray[np.float64] | NDArray[np.complex128]  # complex where a derivative is taken by complex step
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from equipoise.errors import InputError
 Verdict = Literal["reproduced", "reproduced with correction", "not reproduced", "underspecified"]
 VERDICTS: tuple[Verdict, ...] = ("reproduced", "reproduced with correction", "not reproduced", "underspecified")
 ROUNDING = 1e-9
+SMALL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -193,7 +194,7 @@ def half_unit(printed: str) -> float:
 def digits(value: float, tol: float | None) -> str:
     """A value with two digits more than the tolerance it is judged by, six significant digits without one."""
     if not tol:
-        return f"{value:.6g}"
+        return f"{value:.1g}" if abs(value) < SMALL else f"{value:.6g}"
     decimals = max(0, 2 - Decimal(repr(2 * tol)).adjusted())
     return f"{value:.{decimals}f}"
 

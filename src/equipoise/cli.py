@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -14,6 +14,7 @@ from equipoise.errors import DisagreementError, InputError, nearest
 if TYPE_CHECKING:
     from equipoise.design import Design
     from equipoise.problem import Problem
+    from equipoise.solve.program import Norm
 
 app = typer.Typer(
     name="equipoise",
@@ -76,8 +77,9 @@ def balance(file: File, json: Json = False, out: Out = None) -> int:
 
 @app.command()
 @guarded
-def shape(  # noqa: PLR0917 - typer reads options from parameters
+def shape(
     file: File,
+    *,
     json: Json = False,
     out: Out = None,
     seed: Seed = None,
@@ -223,7 +225,7 @@ def _mapped(found: Design, problem: Problem, json: bool, out: Path, *, over: tup
     with staging(out) as stage, progress_bar("map", "lines", "") as progress:
         assert stage is not None
         _write(found, stage)
-        made = geometry_map(found, *over, norm=norm, progress=progress)  # type: ignore[arg-type]
+        made = geometry_map(found, *over, norm=cast("Norm | None", norm), progress=progress)
         files = made.write(stage)
     lines = [*_written(out, found), *(f"map         {out / file.name}" for file in files)]
     return _conclude(found, json, False, lines)

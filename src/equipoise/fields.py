@@ -166,7 +166,7 @@ def _tuple(items: tuple[Any, ...]) -> Any:
             raise fail(f"expected {len(items)} values, got {len(value)}")
         return handler(value)
 
-    return Annotated[tuple[tuple(annotation(item) for item in items)], WrapValidator(read)]  # type: ignore[misc]
+    return Annotated[tuple[tuple(annotation(item) for item in items)], WrapValidator(read)]
 
 
 def _union(options: tuple[Any, ...]) -> Any:
@@ -182,7 +182,7 @@ def _union(options: tuple[Any, ...]) -> Any:
         shape = "null" if value is None else "block" if isinstance(value, dict) else "scalar"
         wanted = [f"list {len(value)}", "list", "form"] if isinstance(value, list) else [shape]
         wanted += ["form", "family"] if shape == "block" else []
-        if shape == "block" and set(value) & tags:
+        if isinstance(value, dict) and tags & set(value):
             wanted = ["family", *wanted]
         for kind in [*wanted, *(kind for kind in shapes if kind[:4] == "list" and isinstance(value, list))]:
             if kind in shapes:
@@ -190,7 +190,7 @@ def _union(options: tuple[Any, ...]) -> Any:
         return f"{BRANCH}{next((i for i, kind in enumerate(shapes) if kind != 'null'), 0)}"
 
     branches = tuple(Annotated[annotation(o), Tag(f"{BRANCH}{i}")] for i, o in enumerate(options))
-    return Annotated[Union[branches], Discriminator(choose)]  # type: ignore[valid-type]  # noqa: UP007
+    return Annotated[Union[branches], Discriminator(choose)]  # noqa: UP007
 
 
 def _tags(hint: Any) -> set[str]:

@@ -36,8 +36,8 @@ class Reading:
 
 def fail(message: str, hint: str = "", key: Any = None) -> PydanticCustomError:
     """An error at the present place of the file, or at one of its entries."""
-    context = {"message": message, "hint": hint, "key": key}
-    return PydanticCustomError("equipoise", "{message}", context)  # type: ignore[arg-type]
+    context: dict[str, Any] = {"message": message, "hint": hint, "key": key}
+    return PydanticCustomError("equipoise", "{message}", context)
 
 
 def words(value: Any) -> str:

@@ -128,7 +128,10 @@ class Mechanism:
         if count != 2 or (model.wrap_type[wraps] != mujoco.mjtWrap.mjWRAP_SITE).any():
             raise InputError(f"tendon {name!r} is no straight cable", hint="a cable joins two sites")
         sites = [model.site(int(site)) for site in model.wrap_objid[wraps]]
-        ends = [Point(model.body(int(site.bodyid[0])).name, tuple(float(v) for v in site.pos)) for site in sites]
+        ends = []
+        for site in sites:
+            x, y, z = (float(value) for value in site.pos)
+            ends.append(Point(model.body(int(site.bodyid[0])).name, (x, y, z)))
         return ends[0], ends[1]
 
     @cached_property

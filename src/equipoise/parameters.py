@@ -6,7 +6,7 @@ import functools
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -119,4 +119,4 @@ def _replace(item: Any, keys: Sequence[str], value: Any, name: str) -> Any:
         entries[AXES.get(key, int(key) if key.isdigit() else 0)] = changed
         return tuple(entries)
     field = [f.name for f in fields(item)][int(key)] if key.isdigit() else key
-    return replace(item, **{field: changed})
+    return replace(cast(Any, item), **{field: changed})

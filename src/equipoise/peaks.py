@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 
 STARTS = 24
 CANDIDATES = 256
@@ -26,9 +26,8 @@ LONGEST = 0.5
 FINEST = 1e-9
 SETTLED = 1e-12
 
-Rows = NDArray[np.int_]
 Flags = NDArray[np.bool_]
-Probe = Callable[[Array, Rows], tuple[Array, Array]]
+Probe = Callable[[Array, Indices], tuple[Array, Array]]
 """poses (M, nd), rows (M,) -> magnitude (M,) of each pose's row, the worst over payloads, and its slope (M, nd)."""
 
 
@@ -60,9 +59,9 @@ def polish(probe: Probe, poses: Array, magnitude: Array, box: Array | None, star
         return Peaks(sample, sample.copy(), poses[worst], poses[:0], sample[:0])
     start, row, reach = _starts(probe, poses, magnitude, box, loaded, starts)
     moves = reach > FAINT * reach.max(axis=1, keepdims=True)
-    hills, height = _climb(probe, start, row, box, moves, TURNS)
+    hills, height = _climb(probe, start, row, box, moves, turns=TURNS)
     best = _best(row, height)
-    hills[best], height[best] = _climb(probe, hills[best], row[best], box, moves[best], LATER, RENEW)
+    hills[best], height[best] = _climb(probe, hills[best], row[best], box, moves[best], turns=LATER, renew=RENEW)
     value, pose = sample.copy(), poses[worst]
     for hill in np.argsort(height):
         if height[hill] > value[row[hill]]:
@@ -71,29 +70,32 @@ def polish(probe: Probe, poses: Array, magnitude: Array, box: Array | None, star
 
 
 def _starts(
-    probe: Probe, poses: Array, magnitude: Array, box: Array, rows: Rows, starts: int
-) -> tuple[Array, Rows, Array]:
+    probe: Probe, poses: Array, magnitude: Array, box: Array, rows: Indices, starts: int
+) -> tuple[Array, Indices, Array]:
     """Poses to climb from, the row that each is for, and how much that row changes along each joint's range."""
     count = min(CANDIDATES, len(poses))
     order = np.argpartition(-magnitude[:, rows], count - 1, axis=0)[:count].T
     span = box[:, 1] - box[:, 0]
     some = order[:, :: max(1, count // starts)]
-    _, slope = probe(poses[some.ravel()], np.repeat(rows, some.shape[1]))
+    # Samples may all lie on a ridge or saddle, where the slope along a joint vanishes: leave them by a hair.
+    random = np.random.default_rng(0)
+    beside = poses[some] + random.uniform(-JITTER, JITTER, (*some.shape, len(span))) * span
+    beside = np.clip(beside, box[:, 0], box[:, 1]).reshape(-1, len(span))
+    _, slope = probe(beside, np.repeat(rows, some.shape[1]))
     slope = slope.reshape(*some.shape, -1)
     reach = np.sqrt((slope**2).mean(axis=1)) * span
     chosen = [
         c[_spread(poses[c] / np.where(span > 0, span, 1.0) * w, magnitude[c, r], starts)]
         for r, c, w in zip(rows, order, reach, strict=True)
     ]
-    # A sample may lie on a ridge or saddle, where the slope vanishes: each row's worst is also left by a hair.
     start = np.concatenate([poses[np.append(c[0], c)] for c in chosen])
     place = np.repeat(np.arange(len(rows)), [len(c) + 1 for c in chosen])
     first = np.append(True, place[1:] != place[:-1])
-    start[first] += np.random.default_rng(0).uniform(-JITTER, JITTER, (len(rows), len(span))) * span
+    start[first] += random.uniform(-JITTER, JITTER, (len(rows), len(span))) * span
     return np.clip(start, box[:, 0], box[:, 1]), rows[place], reach[place]
 
 
-def _spread(places: Array, magnitude: Array, count: int) -> Rows:
+def _spread(places: Array, magnitude: Array, count: int) -> Indices:
     """The worst candidates, and then others that are bad and far from the chosen ones."""
     chosen = np.argsort(-magnitude)[: (count + 1) // 2]
     rank = (magnitude - magnitude.min()) / (np.ptp(magnitude) or 1.0) + 0.1
@@ -107,7 +109,7 @@ def _spread(places: Array, magnitude: Array, count: int) -> Rows:
     return chosen
 
 
-def _best(row: Rows, height: Array) -> Rows:
+def _best(row: Indices, height: Array) -> Indices:
     """The few highest hills of every row."""
     order = np.lexsort((-height, row))
     place = np.arange(len(order)) - np.searchsorted(row[order], row[order])
@@ -115,7 +117,7 @@ def _best(row: Rows, height: Array) -> Rows:
 
 
 def _climb(
-    probe: Probe, pose: Array, row: Rows, box: Array, moves: Flags, turns: int, renew: int | None = None
+    probe: Probe, pose: Array, row: Indices, box: Array, moves: Flags, *, turns: int, renew: int | None = None
 ) -> tuple[Array, Array]:
     """Ascend from poses (H, nd), each for its row, by quasi-Newton steps (BFGS, damped) within a trust region.
 
@@ -126,7 +128,7 @@ def _climb(
     swept = np.flatnonzero(box[:, 1] > box[:, 0])
     low, span, moves = box[swept, 0], (box[:, 1] - box[:, 0])[swept], moves[:, swept]
 
-    def at(place: Array, which: Rows) -> tuple[Array, Array]:
+    def at(place: Array, which: Indices) -> tuple[Array, Array]:
         full = pose[which]
         full[:, swept] = low + place * span
         value, slope = probe(full, row[which])
@@ -178,7 +180,7 @@ def _step(slope: Array, bend: Array, free: Flags) -> Array:
 
 
 def _measured(
-    at: Callable[[Array, Rows], tuple[Array, Array]], u: Array, slope: Array, free: Flags, which: Rows
+    at: Callable[[Array, Indices], tuple[Array, Array]], u: Array, slope: Array, free: Flags, which: Indices
 ) -> Array:
     """Curvatures (H, n, n) of -f among the free joints by differences of slopes, made positive definite.
 
@@ -204,14 +206,14 @@ def _measured(
     return bend
 
 
-def _front(free: Flags) -> tuple[Rows, Flags]:
+def _front(free: Flags) -> tuple[Indices, Flags]:
     """Joints (H, m) with the free ones of each ascent in front, m the most that any has, and which are free."""
     most = max(1, int(free.sum(axis=1).max()))
     place = np.argsort(~free, axis=1, kind="stable")[:, :most]
     return place, np.take_along_axis(free, place, axis=1)
 
 
-def _pick(matrix: Array, place: Rows) -> Array:
+def _pick(matrix: Array, place: Indices) -> Array:
     """Rows and columns (H, m) of matrices (H, n, n)."""
     return matrix[np.arange(len(matrix))[:, None, None], place[:, :, None], place[:, None, :]]
 

@@ -26,14 +26,13 @@ def where(document: Document, reading: Reading, keys: Sequence[Any]) -> str:
             # The tag of a leading block: its fields stand beside it, so one stays in the block.
             inside, line = fold, document.line(node, key) or line
             continue
-        if inside is not None and key == inside[1]:
-            key = inside[0]  # noqa: PLW2901
+        step = inside[0] if inside is not None and key == inside[1] else key
         inside = None
-        if isinstance(node, list) and key in reading.lists.get(id(node), ()):
-            key = reading.lists[id(node)].index(key)  # noqa: PLW2901
-        line = document.line(node, key) or line
-        path += f"[{key}]" if isinstance(key, int) else f".{key}"
-        node = _entry(node, key)
+        if isinstance(node, list) and step in reading.lists.get(id(node), ()):
+            step = reading.lists[id(node)].index(step)
+        line = document.line(node, step) or line
+        path += f"[{step}]" if isinstance(step, int) else f".{step}"
+        node = _entry(node, step)
     parts = [document.name, f"line {line}" if line else "", path.lstrip(".")]
     return ", ".join(part for part in parts if part)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter
 from pydantic.json_schema import GenerateJsonSchema
@@ -12,6 +12,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from equipoise.forms import MARK, Family, Form
 
 Block = dict[str, Any]
+Mark = TypeVar("Mark", Form, Family)
 _KIND = "x-kind"
 
 
@@ -39,15 +40,17 @@ def json_schema(adapter: TypeAdapter[Any]) -> Block:
     def resolved(block: Block) -> Block:
         return defs[block["$ref"].removeprefix("#/$defs/")] if "$ref" in block else block
 
-    marks = generator.marks
-    # Families read the plain fields of their forms, so forms get their other spellings last.
-    for kind, rewrite in ((Family, _family), (Form, _form)):
+    def spelled(kind: type[Mark], rewrite: Callable[[Mark, Block, Callable[[Block], Block]], Block]) -> None:
         for block in list(_blocks(whole)):
-            mark = marks.get(block.get(_KIND, ""))
+            mark = generator.marks.get(block.get(_KIND, ""))
             if isinstance(mark, kind):
-                new = rewrite(mark, {key: value for key, value in block.items() if key != _KIND}, resolved)  # type: ignore[arg-type]
+                new = rewrite(mark, {key: value for key, value in block.items() if key != _KIND}, resolved)
                 block.clear()
                 block.update(new)
+
+    # Families read the plain fields of their forms, so forms get their other spellings last.
+    spelled(Family, _family)
+    spelled(Form, _form)
     for block in _blocks(whole):
         block.pop(_KIND, None)
         if "oneOf" in block:
@@ -65,7 +68,7 @@ def _blocks(node: Any) -> Iterator[Block]:
         yield node
 
 
-def _form(form: Form, block: Block, resolved: Callable[[Block], Block]) -> Block:  # noqa: ARG001
+def _form(form: Form, block: Block, _resolved: Callable[[Block], Block]) -> Block:
     """Fields by name, or listed in order."""
     defs = {"$defs": block.pop("$defs")} if "$defs" in block else {}
     required = block.get("required", [])

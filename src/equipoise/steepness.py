@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from equipoise.affine import Array, magnitudes
+from equipoise.affine import Array, Indices, magnitudes
 from equipoise.mechanism import Mechanism
-from equipoise.peaks import Probe, Rows
+from equipoise.peaks import Probe
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
@@ -20,9 +19,15 @@ Residual = Callable[[States], Array]
 
 
 def steepness(
-    mechanism: Mechanism, sweep: Sweep, goal: str, residual: Residual, columns: NDArray[np.int_], scale: Array,
+    mechanism: Mechanism,
+    sweep: Sweep,
+    goal: str,
+    residual: Residual,
+    *,
+    columns: Indices,
+    scale: Array,
     sizes: Sequence[int],
-) -> Probe:  # fmt: skip
+) -> Probe:
     """The probe of counted blocks of a goal's residual(states) -> (N, R), worst over the payload scenarios.
 
     columns and scale (C,) are the residual's counted rows and their factors, sizes those of the blocks.
@@ -32,13 +37,11 @@ def steepness(
     return _differenced(mechanism, sweep, lambda states: residual(states)[:, columns] * scale, sizes)
 
 
-def _conservative(
-    mechanism: Mechanism, sweep: Sweep, residual: Residual, columns: NDArray[np.int_], scale: Array
-) -> Probe:
+def _conservative(mechanism: Mechanism, sweep: Sweep, residual: Residual, columns: Indices, scale: Array) -> Probe:
     """r = dV/dq, so dr_j/dq_k = dr_k/dq_j: moving joint j alone, to both sides, gives the whole slope of row j."""
     step = STEP * _span(mechanism, sweep)
 
-    def probe(poses: Array, rows: Rows) -> tuple[Array, Array]:
+    def probe(poses: Array, rows: Indices) -> tuple[Array, Array]:
         each, joint = np.arange(len(poses)), columns[rows]
         moved = np.repeat(poses[None], 3, axis=0)
         moved[1, each, joint] -= step[joint]
@@ -57,7 +60,7 @@ def _differenced(mechanism: Mechanism, sweep: Sweep, residual: Residual, sizes: 
     step = STEP * _span(mechanism, sweep)
     shifts = np.concatenate([np.zeros((1, len(step))), np.diag(step), -np.diag(step)])
 
-    def probe(poses: Array, rows: Rows) -> tuple[Array, Array]:
+    def probe(poses: Array, rows: Indices) -> tuple[Array, Array]:
         found = _everywhere(mechanism, sweep, residual, poses + shifts[:, None])
         size = magnitudes(found, sizes)[:, :, np.arange(len(poses)), rows]
         here = size[size[:, 0].argmax(axis=0), :, np.arange(len(poses))]

@@ -155,7 +155,9 @@ class Sweep:
             more = points + 4
             return Sweep.polygon(mechanism, corners, points=more, joints=joints, axes=axes, payload=payload)
 
-        return _region(mechanism, names, vertices, rule, edge, axes or {}, payload, label, finer)
+        return _region(
+            mechanism, names, vertices, rule=rule, edge=edge, axes=axes or {}, payload=payload, label=label, finer=finer
+        )
 
     @staticmethod
     def triangle(
@@ -197,7 +199,15 @@ class Sweep:
             return Sweep.region(mechanism, ranges, points=points + 2, axes=axes, payload=payload)
 
         sweep = _region(
-            mechanism, names, corners, rule, corners, axes or {}, payload, f"box over {', '.join(names)}", finer
+            mechanism,
+            names,
+            corners,
+            rule=rule,
+            edge=corners,
+            axes=axes or {},
+            payload=payload,
+            label=f"box over {', '.join(names)}",
+            finer=finer,
         )
         box = sweep.poses.min(0), sweep.poses.max(0)
         return replace(sweep, box=np.stack(box, axis=1))
@@ -299,6 +309,7 @@ def _region(
     mechanism: Mechanism,
     names: Sequence[str],
     corners: Array,
+    *,
     rule: tuple[Array, Array],
     edge: Array,
     axes: Mapping[str, Sequence[Joint]],

@@ -9,7 +9,8 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
-from equipoise.balancers.spring import STORAGE, add_point_mass
+from equipoise.balancers.paths.bodies import add_point_mass
+from equipoise.balancers.spring import STORAGE
 from equipoise.errors import InputError, nearest
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism, Point

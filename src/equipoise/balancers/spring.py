@@ -12,7 +12,7 @@ import numpy as np
 from equipoise.affine import Affine, Array, Block, Unknown
 from equipoise.balancers.laws import Law, Stored, WireMass
 from equipoise.balancers.paths import Path, Place
-from equipoise.balancers.paths.bodies import outline
+from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism, Point
 from equipoise.parameters import tag
@@ -71,9 +71,9 @@ class Spring:
     @property
     def _lumped(self) -> tuple[tuple[Place, Any], ...]:
         own = np.asarray(self.own_mass)
-        if not np.any(own):
-            return ()
         ends = [place for place, _ in self.path.ends()]
+        if not np.any(own) or not ends:
+            return ()
         shares = (1 - self.mass_at, self.mass_at) if len(ends) > 1 else (1.0,)
         return tuple((place, share * own) for place, share in zip(ends, shares, strict=True))
 
@@ -180,7 +180,7 @@ class Spring:
         A force line or cubic that a tendon can hold becomes a native tendon spring, a constant part a tendon actuator;
         any other law is stored as the cubic nearest to it over the lengths of the states.
         """
-        tendon = self.path.install(spec, self.name)
+        tendon = self.path.install(spec, self.name, states)
         stored = self.stored(values, states)
         constant, *stiffness = stored.coefficients
         if constant == 0.0 or any(stiffness[1:]):
@@ -197,22 +197,10 @@ class Spring:
             actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE
             actuator.biasprm[:3] = bias
         for side, (place, mass) in zip("ab", self._lumped, strict=False):
-            point = place if isinstance(place, Point) else place.seat(outline(spec), self.name)
+            point = place if isinstance(place, Point) else place.seat(states.mechanism.model, self.name)
             add_point_mass(spec, f"{self.name}_mass_{side}", point.body, point.at, float(mass))
 
 
 def actuator_name(spring: str) -> str:
     """The actuator that stands for what a tendon cannot hold of a spring."""
     return f"{spring}_force"
-
-
-def add_point_mass(spec: mujoco.MjSpec, name: str, body: str, at: Any, mass: float) -> None:
-    """Add a point mass as a body welded at a point of another; none for zero mass or the world."""
-    if mass == 0.0 or body == "world":
-        return
-    carrier = spec.body(body).add_body(name=name)
-    carrier.pos = [float(value) for value in at]
-    carrier.mass = mass
-    carrier.ipos = [0.0, 0.0, 0.0]  # said, else the saved file lacks it and MuJoCo refuses to read it back
-    carrier.inertia = [0.0, 0.0, 0.0]
-    carrier.explicitinertial = True

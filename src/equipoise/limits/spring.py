@@ -122,7 +122,7 @@ class Stiffness:
         length, _ = spring.path.deform(setting.states)
         straight = spring.law.degree == 1
         basis, known = spring.law.slope_basis(length[..., :1] if straight else length)
-        if straight and not np.ndim(getattr(spring.law, "k", None)):
+        if straight and not np.ndim(getattr(spring.law, "k", 0.0)):
             # The rate itself follows no geometry: one plain row.
             basis, known = np.real(basis.reshape(-1, *basis.shape[-2:])[0]), np.real(known.reshape(-1, 1)[0])
         unit = path_unit(RATE, spring)
@@ -186,11 +186,12 @@ def _free_length(spring: Spring, length: Array) -> list[Rows]:
     bounds += [(np.broadcast_to(closed, (1,)), -1.0)] if closed is not None else []
     for bound, side in bounds:
         # side (k_free_length - k bound) <= 0, in which both are unknowns unless k is given.
-        if rate is None:
-            G, h, over = np.full((*bound.shape, 1), side), side * given * bound, (product,)
-        else:
+        if rate is not None:
             G = np.stack(np.broadcast_arrays(-side * bound, side), axis=-1)
             h, over = np.zeros(bound.shape), (rate, product)
+        else:
+            assert given is not None
+            G, h, over = np.full((*bound.shape, 1), side), side * given * bound, (product,)
         where = np.arange(length.shape[-1]) if bound is length else np.array([-1])
         rows.append(Rows(f"free length of {spring.name}", "N", G, h, over, where))
     return rows

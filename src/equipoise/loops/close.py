@@ -47,22 +47,47 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     """
     driven = _checked(mechanism, driven)
     model, joints = mechanism.model, mechanism.driven_ids
-    selection = np.zeros((1, model.nv, len(joints)))
-    selection[0, model.jnt_dofadr[joints], np.arange(len(joints))] = 1.0
     branch = _branch(mechanism)
     home = mechanism.reference if branch is None else branch.home.q[0]
     q = np.tile(home, (len(driven), 1))
     q[:, model.jnt_qposadr[joints]] = driven
     if branch is None or not len(driven):
-        return q, selection
+        return q, _selection(mechanism)
     evaluate = Evaluator(model)
     origin = branch.home if start is None else _origin(mechanism, branch, evaluate, start)
     postures = _followed(mechanism, branch, evaluate, origin, driven)
     postures[:, model.jnt_qposadr[joints]] = driven
-    transmission = np.repeat(selection, len(driven), axis=0)
-    for first in range(0, len(driven), _CHUNK):
+    return _settled(mechanism, branch, evaluate, postures)
+
+
+def tighten_loops(mechanism: Mechanism, near: Array) -> tuple[Array, Array]:
+    """As `close_loops`, for postures near (N, nq) that are closed but for rounding or small steps.
+
+    The driven joints stay where near has them; Newton's steps move the others, and near names the branch of each
+    pose by itself. Raises LoopError for a pose that does not close, or closes within the margin of a singularity.
+    """
+    branch = _branch(mechanism)
+    if branch is None:
+        return near, _selection(mechanism)
+    return _settled(mechanism, branch, Evaluator(mechanism.model), near)
+
+
+def _selection(mechanism: Mechanism) -> Array:
+    """dq/dq_driven (1, nv, nd) without loops."""
+    joints = mechanism.driven_ids
+    selection = np.zeros((1, mechanism.model.nv, len(joints)))
+    selection[0, mechanism.model.jnt_dofadr[joints], np.arange(len(joints))] = 1.0
+    return selection
+
+
+def _settled(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, near: Array) -> tuple[Array, Array]:
+    """Postures refined to rounding, and their transmission."""
+    driven = near[:, mechanism.model.jnt_qposadr[mechanism.driven_ids]]
+    selection = _selection(mechanism)
+    q, transmission = near.copy(), np.repeat(selection, len(near), axis=0)
+    for first in range(0, len(near), _CHUNK):
         part = slice(first, first + _CHUNK)
-        closed = _refined(mechanism, branch, evaluate, postures[part], driven[part])
+        closed = _refined(mechanism, branch, evaluate, near[part], driven[part])
         q[part] = closed.q
         transmission[part] += _transmission(branch, closed, selection.shape)
     return q, transmission

@@ -23,17 +23,25 @@ class Equality(Protocol):
     """
 
     @property
-    def dofs(self) -> frozenset[int]: ...  # noqa: D102
+    def dofs(self) -> frozenset[int]:
+        """The dofs that it can tie together."""
+        ...
+
     @property
-    def factor(self) -> Array: ...  # noqa: D102
+    def factor(self) -> Array:
+        """What each row (rows,) is multiplied by."""
+        ...
+
     @property
-    def lengths(self) -> NDArray[np.bool_]: ...  # noqa: D102
+    def lengths(self) -> NDArray[np.bool_]:
+        """Which rows (rows,) are lengths."""
+        ...
 
     def rows(self, pose: Pose) -> tuple[Array, Array]:
         """Residual (N, rows) and Jacobian (N, rows, nv) in MuJoCo's units and order."""
         ...
 
-    def points(self, pose: Pose) -> list[Array]:
+    def points(self, pose: Pose, /) -> list[Array]:
         """World points (N, 3) that the equality joins; none for joints and tendons."""
         ...
 
@@ -126,7 +134,7 @@ class Couple:
         """Whether the coupling is linear in both items."""
         return not self.tendon and (len(self.items) == 1 or not self.coefficients[2:].any())
 
-    def points(self, pose: Pose) -> list[Array]:  # noqa: ARG002 - the protocol hands it over
+    def points(self, _pose: Pose) -> list[Array]:
         """No points are joined."""
         return []
 

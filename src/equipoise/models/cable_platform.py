@@ -106,7 +106,7 @@ def _joints(size: int, turns: bool) -> dict[str, tuple[tuple[float, float, float
     """Joints of the platform in order: {name: (axis, whether it slides)}."""
     slides = {axis: (tuple(np.eye(3)["xyz".index(axis)]), True) for axis in ("xz" if size == 2 else "xyz")}
     hinges = {"turn": COUNTERCLOCKWISE} if size == 2 else TURNS
-    return slides | ({joint: (axis, False) for joint, axis in hinges.items()} if turns else {})  # type: ignore[return-value]
+    return slides | ({joint: (axis, False) for joint, axis in hinges.items()} if turns else {})
 
 
 def _rows(size: int, turns: bool) -> tuple[tuple[float, ...], ...]:

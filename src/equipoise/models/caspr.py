@@ -80,7 +80,7 @@ def caspr(
     axes = list(space.axes)
     if not space.turns and np.ptp(ends, axis=0).max() > 0:
         raise ModelError("the platform does not turn, but its cables end at different points", where=str(cables))
-    inertia = tuple(
+    xx, yy, zz = (
         number(link.findtext(f"physical/inertia/{key}"), 0.0, key, str(bodies)) for key in ("Ixx", "Iyy", "Izz")
     )
     made = cable_platform(
@@ -89,7 +89,7 @@ def caspr(
         cables=names,
         mass=mass,
         com=tuple(com[axes]) if space.turns else None,
-        inertia=inertia if min(inertia) > 0 else None,
+        inertia=(xx, yy, zz) if min(xx, yy, zz) > 0 else None,
         length=length,
         limits=limits,
         gravity=space.gravity,

@@ -22,7 +22,8 @@ def find(part: str | None = None) -> tuple[str, ...]:
     fitting = [slug for slug in SLUGS if word == slug] or [slug for slug in SLUGS if word and word in slug]
     if len(fitting) != 1:
         what = f"fits {' and '.join(fitting)}" if fitting else "fits no paper"
-        raise InputError(f"{part!r} {what}", where="reproduce", hint=nearest(word, fitting or list(SLUGS)))
+        hint = "give more of its name" if fitting else nearest(word, SLUGS)
+        raise InputError(f"{part!r} {what}", where="reproduce", hint=hint)
     return tuple(fitting)
 
 

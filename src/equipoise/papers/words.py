@@ -63,7 +63,8 @@ def improvements(improved: Sequence[Improvement]) -> str:
     for one in improved:
         before = "" if one.published is None else f"{sig(one.published)} -> "
         certificate = f"  ({one.certificate})" if one.certificate else ""
-        lines.append(f"{one.what}; {one.over}: {one.norm} {before}{sig(one.ours)} {one.unit}{certificate}")
+        head = f"{one.what}; {one.over}: {one.norm} {before}{sig(one.ours)} {one.unit}{certificate}"
+        lines += textwrap.wrap(head, WIDTH, subsequent_indent="  ")
         values = ", ".join(f"{name} {text}" for name, text in one.values.items())
         for text in (values, one.note):
             lines += textwrap.wrap(text, WIDTH - 4, initial_indent="    ", subsequent_indent="    ")

@@ -117,11 +117,12 @@ def _levels(top: float) -> Array:
     return np.asarray(MaxNLocator(LEVELS).tick_values(0.0, max(top, 1e-12)))
 
 
-def draw_map(  # noqa: PLR0917 - a map is its axes and its data
+def draw_map(
     ax: Axes,
     x: Array,
     y: Array,
     Z: Array,
+    *,
     labels: tuple[str, str],
     optimum: tuple[float, float] | None,
     unit: str,

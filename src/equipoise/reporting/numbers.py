@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from equipoise.design import Row
 
@@ -56,10 +57,10 @@ def span(ends: Sequence[float], unit: str, digits: int = 3) -> str:
     return f"{first} {name}" if first == last else f"{first} to {last} {name}"
 
 
-def place(point: Mapping[str, object] | Sequence[float]) -> str:
+def place(point: Mapping[str, Any] | Sequence[float]) -> str:
     """Coordinates of a point in mm: `(0, 220, 150) mm`."""
     at = point["at"] if isinstance(point, Mapping) else point
-    coordinates = (1e3 * float(value) for value in at)  # type: ignore[union-attr]
+    coordinates = (1e3 * float(value) for value in at)
     return "(" + ", ".join(plain(round(value, 2) + 0.0, 5) for value in coordinates) + ") mm"
 
 

@@ -6,15 +6,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 
 
 @dataclass(eq=False)
 class Working:
     """Which samples are spelled out: per term the flat (state, block) numbers, per limit the row numbers."""
 
-    terms: list[Array]
-    rows: list[Array]
+    terms: list[Indices]
+    rows: list[Indices]
 
 
 @dataclass(eq=False)
@@ -36,7 +36,7 @@ class Answer:
     excess: float = 0.0
 
 
-def spread(sizes: tuple[int, ...], flat: Array) -> tuple[Array, Array, Array]:
+def spread(sizes: tuple[int, ...], flat: Indices) -> tuple[Indices, Indices, Indices]:
     """Rows behind flat (state, block) numbers: sample index, state and row, one entry per row."""
     starts, counts = np.cumsum((0, *sizes[:-1])), np.array(sizes)
     state, block = np.divmod(flat, len(sizes))

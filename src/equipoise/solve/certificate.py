@@ -42,7 +42,7 @@ class _Columns:
     value: list[Array] = field(default_factory=list)
     size: list[Array] = field(default_factory=list)
 
-    def add(self, slope: Array, value: Array, size: Array) -> int:
+    def add(self, slope: Array, value: Array | float, size: Array | float) -> int:
         self.slope.append(np.atleast_2d(slope))
         self.value.append(np.atleast_1d(value))
         self.size.append(np.atleast_1d(np.asarray(size, dtype=float)))

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.errors import EquipoiseError, InfeasibleError
 from equipoise.solve.answer import Answer, Working
 from equipoise.solve.certificate import Gap, Multipliers, certify
@@ -152,7 +152,7 @@ def _method(program: Program, elastic: float | None) -> Callable[[Working], Answ
 
 def _initial(program: Program, theta: Array) -> Working:
     """The worst samples at zero and at least squares, and all that a mean term has."""
-    terms: list[Array] = []
+    terms: list[Indices] = []
     for term in program.terms:
         if term.norm == "rms":
             chosen = np.zeros(0, dtype=int)
@@ -179,7 +179,7 @@ def _refresh(program: Program, warm: Working, theta: Array) -> Working:
     return Working(terms, rows)
 
 
-def _worst(term: Term, r: Array, count: int = BATCH) -> Array:
+def _worst(term: Term, r: Array, count: int = BATCH) -> Indices:
     """Flat numbers of the worst few samples of every block, both signs of scalar ones."""
     magnitude = term.magnitudes(r)
     faces = [magnitude] if any(size > 1 for size in term.sizes) else [r, -r]
@@ -191,7 +191,7 @@ def _worst(term: Term, r: Array, count: int = BATCH) -> Array:
     return np.unique(np.concatenate(found))
 
 
-def _worst_rows(excess: Array, known: Array, force: bool = False) -> Array:
+def _worst_rows(excess: Array, known: Indices, force: bool = False) -> Indices:
     """Known rows and the few most violated others (or simply the tightest, when forced)."""
     order = np.argsort(-excess)[:BATCH]
     chosen = order if force else order[excess[order] > 0]

@@ -64,7 +64,7 @@ def solve_least_distance(program: Program, working: Working) -> Answer | None:
     slope = factor.T @ r / max(norm, 1e-300) * load * term.factor + G.T @ price
     answer = Answer(True, x * scale, lower=np.zeros(P), upper=np.zeros(P), level=[term.factor if norm > 0 else 0.0])
     answer.y, answer.cap = [np.zeros(0)], [0.0]
-    level = np.linalg.lstsq(E.T, -slope, rcond=1e-12)[0] if len(f) else np.zeros(0)
+    level = -np.linalg.pinv(E.T, rcond=1e-12) @ slope
     done = 0
     for k, rows in enumerate(program.rows):
         if rows.equality:

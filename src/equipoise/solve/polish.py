@@ -59,12 +59,12 @@ def _active_rows(program: Program, working: Working, answer: Answer) -> tuple[Ar
 
 def _least_squares(factor: Array, rows: Array, rhs: Array) -> Array:
     """min |R [x; 1]| subject to rows x = rhs, minimum-norm where that leaves freedom."""
-    P, m = factor.shape[1] - 1, len(rhs)
-    if m == 0:
-        return np.linalg.lstsq(factor[:, :P], -factor[:, P], rcond=1e-12)[0]
-    fixed = np.linalg.lstsq(rows, rhs, rcond=1e-12)[0]
-    _, singular, vectors = np.linalg.svd(rows)
-    free = vectors[int((singular > 1e-12 * singular.max()).sum()) :].T
+    P = factor.shape[1] - 1
+    fixed, free = np.zeros(P), np.eye(P)
+    if len(rhs):
+        fixed = np.linalg.lstsq(rows, rhs, rcond=1e-12)[0]
+        _, singular, vectors = np.linalg.svd(rows)
+        free = vectors[int((singular > 1e-12 * singular.max()).sum()) :].T
     step = np.linalg.lstsq(factor[:, :P] @ free, -factor[:, P] - factor[:, :P] @ fixed, rcond=1e-12)[0]
     return fixed + free @ step
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from equipoise.affine import Array, Unknown, magnitudes
+from equipoise.affine import Array, Indices, Unknown, magnitudes
 
 Norm = Literal["rms", "peak", "mean"]
 NORMS: tuple[Norm, ...] = ("rms", "peak", "mean")
@@ -77,7 +77,7 @@ class Rows:
     G: Array
     h: Array
     unknowns: tuple[Unknown, ...] = ()
-    state: Array | None = None
+    state: Indices | None = None
     equality: bool = False
     scale: float = 1.0
 

@@ -7,17 +7,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array, Unknown
+from equipoise.affine import Array, Geometry, Unknown
 from equipoise.solve.answer import Working
 from equipoise.solve.exchange import Solution, solve
-from equipoise.solve.program import Program, Rows, Term, norm_value
+from equipoise.solve.program import Program, norm_value
 
 STEP = 1e-30
 PENALTY = 30.0
 MARGIN = 1e-8
 BENT = 0.7
 
-Build = Callable[[Array], Program]
+Build = Callable[[Geometry], Program]
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,12 @@ class Freedom:
 
 @dataclass(frozen=True, eq=False)
 class Local:
-    """A local optimum: gamma (G,), the merit N + penalty * excess, what one more step would gain, iterations."""
+    """A local optimum: gamma (G,), the merit N + penalty * excess, what one more step would gain."""
 
     gamma: Array
     merit: float
     excess: float
     stationarity: float
-    iterations: int
     solution: Solution
     prices: Array
 
@@ -85,10 +84,8 @@ def screen(build: Build, freedoms: Sequence[Freedom], count: int, seed: int, loa
     low, high = _bounds(freedoms)
     unit = qmc.Sobol(len(freedoms), rng=np.random.default_rng(seed)).random_base2(max(3, int(np.ceil(np.log2(count)))))
     gammas = low + unit * (high - low)
-    scores = []
-    for chunk in np.array_split(gammas, max(1, len(gammas) // 16)):
-        scores.append(_inner(build(chunk), len(chunk), load))
-    score = np.concatenate(scores)
+    chunks = np.array_split(gammas, max(1, len(gammas) // 16))
+    score = np.concatenate([_inner(build(chunk), len(chunk), load) for chunk in chunks])
     order = np.argsort(score, kind="stable")
     return gammas[order], score[order]
 
@@ -205,7 +202,8 @@ def descend(
 
     Every step solves the linearised program in a trust region on the moves and is judged on the true
     residual with theta solved anew. Where curvature spoils a step, the model is shifted by what it missed and
-    solved again, so that curved valleys are followed in long steps; limits are elastic at `penalty` times the load per unit of relative excess.
+    solved again, so that curved valleys are followed in long steps; limits are elastic at `penalty` times the
+    load per unit of relative excess.
     """
     low, high = _bounds(freedoms)
     span = np.maximum(high - low, 1e-300)
@@ -217,8 +215,8 @@ def descend(
         return _Point(at, program, solution, solution.objective + price * solution.excess)
 
     here = inner(np.clip(gamma, low, high), None)
-    predicted, warm, trial, done, count = np.inf, None, here.solution, 0, 0
-    for done in range(1, iterations + 1):
+    predicted, warm, trial, count = np.inf, None, here.solution, 0
+    for _ in range(iterations):
         model = _tight(linearise(build, freedoms, here.gamma, here.solution.theta))
         count, moved = len(here.solution.theta), False
         while radius > 1e-9 and not moved:
@@ -249,7 +247,7 @@ def descend(
     prices = priced[count:] if len(priced) == count + len(gamma) else np.zeros(len(gamma))
     at_bound = (np.abs(gamma - low) <= 1e-7 * span) | (np.abs(gamma - high) <= 1e-7 * span)
     excess, stationarity = here.solution.excess, max(predicted, 0.0)
-    return Local(gamma, here.merit, excess, stationarity, done, here.solution, np.where(at_bound, prices, 0.0))
+    return Local(gamma, here.merit, excess, stationarity, here.solution, np.where(at_bound, prices, 0.0))
 
 
 def _bend(model: Program, there: Program, x: Array) -> Program:
@@ -270,6 +268,3 @@ def _tight(program: Program) -> Program:
     """The program with every limit a hair tighter, so that its answer passes the exact limits."""
     rows = tuple(r if r.equality else replace(r, h=r.h - MARGIN * r.scale) for r in program.rows)
     return replace(program, rows=rows)
-
-
-__all__ = ["Freedom", "Local", "Optima", "Rows", "Term", "descend", "distinct", "linearise", "screen", "spread_out"]

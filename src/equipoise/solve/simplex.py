@@ -115,7 +115,7 @@ def solve_linear(program: Program, working: Working, elastic: float | None = Non
     if dual is None:
         return None
     x = dual * unit
-    answer = Answer(True, marginal[:P] * scale)
+    answer = Answer(True, marginal[:P] * scale, lower=np.zeros(P), upper=np.zeros(P))
     for (place, share), load, cap in zip(samples, loads, caps, strict=True):
         signed = x[place] * share if share is not None else np.subtract(*np.split(x[place], 2))
         answer.y.append(signed / load)
@@ -124,11 +124,10 @@ def solve_linear(program: Program, working: Working, elastic: float | None = Non
     for rows, places in zip(program.rows, row_places, strict=True):
         price = x[places[0]] - (x[places[1]] if rows.equality else 0.0)
         answer.row.append(price / rows.scale)
-    answer.lower, answer.upper = np.zeros(P), np.zeros(P)
     for target, (which, place) in zip((answer.lower, answer.upper), bound_places, strict=True):
         target[which] = x[place] / scale[which]
     if elastic is not None and T in used:
-        answer.excess = float(max(0.0, -marginal[P + list(used).index(T)]))
+        answer.excess = float(max(0.0, -marginal[P + int(np.searchsorted(used, T))]))
     return answer
 
 

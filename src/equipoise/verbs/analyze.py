@@ -89,6 +89,7 @@ def table(
     states: States,
     residual: Array,
     evaluate: Evaluate,
+    *,
     goal: str = "hold",
     known: Mapping[str, Row] | None = None,
 ) -> dict[str, Row]:
@@ -105,7 +106,7 @@ def table(
     new = np.array([place for place, block in enumerate(blocks) if block.name not in known], dtype=int)
     sampled = size[:, new].reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
     every = np.arange(residual.shape[1])
-    probe = steepness(mechanism, sweep, goal, evaluate, every, np.ones(len(every)), sizes)
+    probe = steepness(mechanism, sweep, goal, evaluate, columns=every, scale=np.ones(len(every)), sizes=sizes)
     peaks = polish(lambda poses, rows: probe(poses, new[rows]), sweep.poses, sampled, sweep.box)
     found = {
         blocks[i].name: Row(
@@ -143,10 +144,10 @@ def tables(
             return effort(mechanism, balancers, other, goal).at(theta)
 
         without, with_them = bare(states), evaluate(states)
-        rows = table(mechanism, sweep, states, without, bare, goal)
+        rows = table(mechanism, sweep, states, without, bare, goal=goal)
         ends = np.cumsum([block.size for block in goal_blocks(mechanism, goal)])
         same = np.logical_and.reduceat((without == with_them).all(axis=0), np.append(0, ends[:-1]))
         untouched = {name: row for (name, row), alike in zip(rows.items(), same, strict=True) if alike}
         before |= rows
-        after |= table(mechanism, sweep, states, with_them, evaluate, goal, untouched)
+        after |= table(mechanism, sweep, states, with_them, evaluate, goal=goal, known=untouched)
     return before, after

@@ -19,8 +19,8 @@ from equipoise.peaks import STARTS, polish
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
-from equipoise.sweep import Sweep
 from equipoise.steepness import steepness
+from equipoise.sweep import Sweep
 from equipoise.verbs.analyze import tables
 
 EXACT = 1e-9
@@ -103,11 +103,8 @@ def task_of(
 
 def settle(task: Task) -> Balanced:
     """Solve at the task's geometry; refine between the samples; settle what is free by least stored energy."""
-    started = len(task.sweep.poses)
-    found = task.sweep.poses[:0]
-    starts = STARTS
-    for _ in range(ROUNDS):
-        task = replace(task, sweep=task.sweep.extended(found))
+    started, rounds, starts = len(task.sweep.poses), 0, STARTS
+    while True:
         states = task.mechanism.states(task.sweep)
         program = task.program(states)
         program, solution = tightened(task, program)
@@ -115,11 +112,12 @@ def settle(task: Task) -> Balanced:
         found = _between(task, states, program, solution, starts)
         if not len(found) and starts == FEW:
             found = _between(task, states, program, solution, STARTS)
-        if not len(found):
-            break
+        rounds += 1
+        if not len(found) or rounds == ROUNDS:
+            return Balanced(task, states, program, solution, len(task.sweep.poses) - started)
+        task = replace(task, sweep=task.sweep.extended(found))
         # The hills found now are among the samples of the next round: a few starts follow them.
         starts = FEW
-    return Balanced(task, states, program, solution, len(states.driven) // len(task.sweep.scenarios) - started)
 
 
 def tightened(task: Task, program: Program) -> tuple[Program, Solution]:
@@ -218,7 +216,7 @@ def _between(task: Task, states: States, program: Program, solution: Solution, s
     level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
     # A row far below the level at every sample does not reach it between them.
     near = np.flatnonzero(sampled.max(axis=0) >= NEAR * level)
-    probe = steepness(task.mechanism, task.sweep, aims[0].goal, residual, columns, scale, sizes)
+    probe = steepness(task.mechanism, task.sweep, aims[0].goal, residual, columns=columns, scale=scale, sizes=sizes)
     peaks = polish(lambda poses, rows: probe(poses, near[rows]), task.sweep.poses, sampled[:, near],
                    task.sweep.box, starts)  # fmt: skip
     load = max(float(np.abs(term.b).max()) for term in program.terms)

@@ -51,9 +51,8 @@ class GeometryMap:
             made = figure(7.2, 5.6)
             place = (self.optimum[0] * scales[0], self.optimum[1] * scales[1])
             value = f"{self.norm} [{self.unit}]"
-            draw_map(
-                made.subplots(), self.x * scales[0], self.y * scales[1], self.Z, (labels[0], labels[1]), place, value
-            )
+            x, y = self.x * scales[0], self.y * scales[1]
+            draw_map(made.subplots(), x, y, self.Z, labels=(labels[0], labels[1]), optimum=place, unit=value)
             made.savefig(picture, metadata={"Date": None, "Creator": None})
         heads = [f"{name} [{unit}]" for name, unit in zip(self.names, self.units, strict=True)]
         rows = [

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, effort, thrift
 from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
@@ -71,8 +71,9 @@ def shape(
 
     free maps parameter names such as `s1.path.line.0.z` to (low, high), SI. Geometries are screened with the
     exact least-squares inner solution, the best and farthest apart become starts, each descends by sequential
-    convex programming on few states until it is unlikely that an optimum is still unseen, the best finish on all. The same seed gives the same design; progress is
-    called with (starts done, starts, best value). Ctrl-C ends the search with the best design so far.
+    convex programming on few states until it is unlikely that an optimum is still unseen, the best finish on all.
+    The same seed gives the same design; progress is called with (starts done, starts, best value). Ctrl-C ends
+    the search with the best design so far.
     """
     if not free:
         raise InputError("no geometry is free", where="shape", hint="name parameters with bounds, or use balance")
@@ -234,7 +235,7 @@ def _thrifty(search: _Search, best: Local, value: float) -> Local | None:
     names = [freedom.name for freedom in search.freedoms]
     plain = search.builder(states)
 
-    def lean(gamma: Array) -> Program:
+    def lean(gamma: Geometry) -> Program:
         return thrift(plain(gamma), candidates(search.task.balancers, names, gamma), states, value)
 
     start = lean(best.gamma[None]).take(0)

@@ -52,7 +52,7 @@ def energy_errors(design: Design, poses: int = 64, seed: int = 0) -> dict[str, f
         doubts.append(doubt)
     # The total may vanish by design, so it is judged against what was added up.
     scale = max(float(np.abs(effort).max()) for effort in efforts)
-    errors["total"] = _relative(sum(efforts), sum(slopes), sum(doubts), scale)  # type: ignore[arg-type]
+    errors["total"] = _relative(np.sum(efforts, axis=0), np.sum(slopes, axis=0), np.sum(doubts, axis=0), scale)
     return errors
 
 
@@ -63,14 +63,12 @@ def _line(mechanism: Mechanism, sweep: Sweep, poses: int, seed: int) -> Line:
         centre = sweep.box[:, 0] + rng.random((poses, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
     direction = rng.standard_normal(centre.shape)
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    failure: LoopError | None = None
-    for step in (STEP, STEP / 10, STEP / 100):
+    for step in (STEP, STEP / 10):
         try:
             return _along(mechanism, sweep, centre, direction, step)
-        except LoopError as error:  # near the rim of what a linkage reaches: stay closer to poses that close
-            failure = error
+        except LoopError:  # near the rim of what a linkage reaches: stay closer to poses that close
             centre = sweep.poses[rng.integers(len(sweep.poses), size=poses)]
-    raise failure  # type: ignore[misc]
+    return _along(mechanism, sweep, centre, direction, STEP / 100)
 
 
 def _along(mechanism: Mechanism, sweep: Sweep, centre: Array, direction: Array, step: float) -> Line:

@@ -9,22 +9,22 @@ from pathlib import Path
 import mujoco
 import numpy as np
 from mujoco.batch import Batch
-from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.balancers.spring import Spring, actuator_name, add_point_mass
+from equipoise.balancers.paths.bodies import add_point_mass
+from equipoise.balancers.spring import Spring, actuator_name
 from equipoise.design import Design
-from equipoise.errors import LoopError, ModelError, nearest
+from equipoise.errors import LoopError
 from equipoise.mechanism import Mechanism, compile_spec
 from equipoise.models.notices import listen
 from equipoise.states import States
 from equipoise.verification.findings import Disagreement, JointError
+from equipoise.verification.postures import postures
 from equipoise.verification.saved import reload
 
 ENGINE = f"MuJoCo {mujoco.__version__}"
 CHUNK = 16384
 JITTER = 0.02
-_WIDTHS = {int(mujoco.mjtJoint.mjJNT_FREE): (7, 6), int(mujoco.mjtJoint.mjJNT_BALL): (4, 3)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def compare(design: Design, path: Path, poses: int, seed: int) -> Comparison:
     states, where = unseen(design, poses, seed)
     with listen() as said:
         spec = reload(path)
-        simulated = holding(spec, design.mechanism, states, unstored(design))
+        simulated = holding(spec, states, unstored(design), *_joined(design, states))
     ours = design.residual(states)
     bare = states.holding
     # A spring may lift more than gravity loads: both sides of the sum set the scale of rounding.
@@ -113,11 +113,23 @@ def unstored(design: Design) -> dict[str, Callable[[Array], Array]]:
     return {s.name: force(s) for s in springs if not s.stored(design.values, design.states).exact}
 
 
+def _joined(design: Design, states: States) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Where the joints of added parts start, and laws of joint equalities that change from state to state."""
+    positions: dict[str, Array] = {}
+    laws: dict[str, Array] = {}
+    for balancer in design.balancers:
+        if isinstance(balancer, Spring):
+            positions |= balancer.path.positions(states, balancer.name)
+            laws |= balancer.path.laws(states, balancer.name)
+    return positions, laws
+
+
 def holding(
     spec: mujoco.MjSpec,
-    mechanism: Mechanism,
     states: States,
     forces: Mapping[str, Callable[[Array], Array]] | None = None,
+    positions: Mapping[str, Array] | None = None,
+    laws: Mapping[str, Array] | None = None,
 ) -> Array:
     """Holding efforts (N, nd) of a model with the parts in it, as MuJoCo computes them at the states' postures.
 
@@ -125,9 +137,11 @@ def holding(
 
     Payloads are added as point masses; the model's joints are found by name, their order may differ. Of the
     actuators only those that the mechanism lacks count: they are springs, the others are the motors. forces
-    {tendon: f(l)} act in the place of what these tendons hold, as ctrl = -f at MuJoCo's own tendon length.
+    {tendon: f(l)} act in the place of what these tendons hold, as ctrl = -f at MuJoCo's own tendon length. Loops that
+    added parts make are closed in this model, from positions and with laws as `postures` reads them.
     """
-    forces = forces or {}
+    forces, mechanism = forces or {}, states.mechanism
+    q, transmission = None, None
     result = np.empty_like(states.driven)
     for masses in np.unique(states.payload_mass, axis=0):
         rows = np.flatnonzero((states.payload_mass == masses).all(axis=1))
@@ -138,12 +152,14 @@ def holding(
         for name in forces:
             _drive(loaded, name)
         model = compile_spec(loaded, mechanism.name)
+        if q is None or transmission is None:
+            q, transmission = postures(model, states, positions or {}, laws or {})
         springs = _quieten(model, mechanism.model)
         for start in range(0, len(rows), CHUNK):
             part = rows[start : start + CHUNK]
-            force = _forces(model, mechanism.model, states.kin.q[part], springs, forces)
-            transmission = states.D if len(states.D) == 1 else states.D[part]
-            result[part] = np.squeeze(force[:, None, :] @ transmission, axis=1)
+            force = _forces(model, q[part], springs, forces)
+            lead = transmission if len(transmission) == 1 else transmission[part]
+            result[part] = np.squeeze(force[:, None, :] @ lead, axis=1)
     return result
 
 
@@ -174,15 +190,13 @@ def _quieten(model: mujoco.MjModel, original: mujoco.MjModel) -> bool:
 
 def _forces(
     model: mujoco.MjModel,
-    original: mujoco.MjModel,
     q: Array,
     springs: bool,
     forces: Mapping[str, Callable[[Array], Array]],
 ) -> Array:
-    """bias - spring - actuator (N, nv) in the original's order of degrees of freedom."""
-    positions, dofs = _by_name(model, original)
+    """bias - spring - actuator (N, nv) of all degrees of freedom."""
     batch = Batch(model, len(q))
-    batch.bind("qpos")[:, positions] = q
+    batch.bind("qpos")[:] = q
     bias, spring = batch.bind("qfrc_bias"), batch.bind("qfrc_spring")
     actuator = batch.bind("qfrc_actuator")
     if forces:
@@ -192,26 +206,7 @@ def _forces(
             control[:, model.actuator(actuator_name(name)).id] = -force(np.array(length[:, model.tendon(name).id]))
     stage = mujoco.mjtStage.mjSTAGE_ACC if springs else mujoco.mjtStage.mjSTAGE_VEL
     batch.forward(stage=int(stage))
-    total = np.array(bias) - spring - (actuator if springs else 0.0)
-    return total[:, dofs]
-
-
-def _by_name(model: mujoco.MjModel, original: mujoco.MjModel) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
-    """Where the original's positions (nq,) and degrees of freedom (nv,) sit in the reloaded model."""
-    positions, dofs = np.empty(original.nq, dtype=int), np.empty(original.nv, dtype=int)
-    names = [model.joint(index).name for index in range(model.njnt)]
-    for old in range(original.njnt):
-        name = original.joint(old).name
-        if name not in names:
-            raise ModelError(f"the saved model has no joint {name!r}", hint=nearest(name, names))
-        new = names.index(name)
-        width = _WIDTHS.get(int(original.jnt_type[old]), (1, 1))
-        for table, start, there, size in (
-            (positions, original.jnt_qposadr, model.jnt_qposadr, width[0]),
-            (dofs, original.jnt_dofadr, model.jnt_dofadr, width[1]),
-        ):
-            table[start[old] : start[old] + size] = there[new] + np.arange(size)
-    return positions, dofs
+    return np.array(bias) - spring - (actuator if springs else 0.0)
 
 
 def _clamped(spec: mujoco.MjSpec, mechanism: Mechanism) -> tuple[str, ...]:

@@ -32,7 +32,8 @@ class Stored:
 
     def at(self, length: Array) -> Array:
         """Force at lengths (N,)."""
-        return np.polynomial.polynomial.polyval(length - self.rest, self.coefficients)
+        x, (c0, c1, c2, c3) = length - self.rest, self.coefficients
+        return c0 + x * (c1 + x * (c2 + x * c3))
 
 
 def store(force: Callable[[Array], Array], low: float, high: float, degree: int | None) -> Stored:
@@ -49,8 +50,8 @@ def store(force: Callable[[Array], Array], low: float, high: float, degree: int 
     middle, half = (low + high) / 2, max((high - low) / 2, 1e-9)
     scaled, error = nearest_cubic(lambda x: force(middle + half * x))
     exact = degree is not None and degree <= 3
-    coefficients = tuple(float(c) / half**power for power, c in enumerate(scaled))
-    return Stored(middle, coefficients, 0.0 if exact else error)  # type: ignore[arg-type]
+    c0, c1, c2, c3 = (float(c) / half**power for power, c in enumerate(scaled))
+    return Stored(middle, (c0, c1, c2, c3), 0.0 if exact else error)
 
 
 def nearest_cubic(f: Callable[[Array], Array]) -> tuple[Array, float]:
@@ -61,10 +62,10 @@ def nearest_cubic(f: Callable[[Array], Array]) -> tuple[Array, float]:
     nodes = -np.cos(np.pi * np.arange(5) / 4)
     x = -np.cos(np.pi * np.arange(DENSE) / (DENSE - 1))
     dense = f(x)
-    best = np.zeros(4), np.inf
+    best: tuple[Array, float] = np.zeros(4), np.inf
     for _ in range(ROUNDS):
         system = np.column_stack([np.vander(nodes, 4, increasing=True), (-1.0) ** np.arange(5)])
-        solution = np.linalg.solve(system, f(nodes))
+        solution = np.asarray(np.linalg.solve(system, f(nodes)), dtype=float)
         deviation = dense - np.polynomial.polynomial.polyval(x, solution[:4])
         worst = float(np.abs(deviation).max())
         if worst < best[1]:

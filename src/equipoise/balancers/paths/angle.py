@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import mujoco
 
+from equipoise.affine import Array
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.turn import Terms, Turn, joint_shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
+from equipoise.states import States
 from equipoise.units import Joint, Number
 
 SLIDE, HINGE = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
@@ -53,14 +55,14 @@ class Angle(Turn):
                 hint=f"say `unit: {unit}`",
             )
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """A tendon that reads the joint; with an offset, a shaft that turns with it."""
         if self.offset or self.unit == "m":
-            return super().install(spec, name)
+            return super().install(spec, name, states)
         tendon = spec.add_tendon(name=name)
         tendon.wrap_joint(self.joint, float(self.ratio))
         return tendon
 
-    def positions(self, states: Any, name: str) -> dict[str, Any]:
+    def positions(self, states: States, name: str) -> dict[str, Array]:
         """The shaft's position where there is one."""
         return super().positions(states, name) if self.offset or self.unit == "m" else {}

@@ -12,6 +12,7 @@ from equipoise.balancers.paths.mount import Mount
 from equipoise.errors import InputError
 from equipoise.mechanism import Point, compile_spec
 from equipoise.models.parts import Inertial, add_body, add_joint, add_pin
+from equipoise.states import States
 
 NOTHING = Inertial(0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 SLIDING = (1.0, 0.0, 0.0)
@@ -33,6 +34,12 @@ def outline(spec: mujoco.MjSpec) -> mujoco.MjModel:
     return compile_spec(bare, spec.modelname)
 
 
+def zero_length(spec: mujoco.MjSpec, tendon: str) -> float:
+    """A tendon's length at the zero posture, from which MuJoCo's equalities count."""
+    model = outline(spec)
+    return float(model.tendon_length0[model.tendon(tendon).id])
+
+
 def add_frame(spec: mujoco.MjSpec, mount: Mount, name: str) -> Any:
     """A body fixed at a mount: x where the crank points at zero, -y the axis, so that the mount's plane is x-z."""
     e, f, a = mount.frame
@@ -44,17 +51,14 @@ def add_frame(spec: mujoco.MjSpec, mount: Mount, name: str) -> Any:
     return body
 
 
-def add_shaft(spec: mujoco.MjSpec, frame: Any, name: str, terms: tuple[Mapping[str, Any], Any], length: float) -> Any:
+def add_shaft(
+    spec: mujoco.MjSpec, frame: Any, name: str, terms: tuple[Mapping[str, Any], Any], length: float, states: States
+) -> Any:
     """A crank in a frame whose hinge `name` reads sum_j c_j q_j + c over the model's joints (a belt or gears)."""
     crank = add_body(frame, name, NOTHING, length=length)
     add_joint(crank, name)
-    tie(spec, name, terms)
-    return crank
-
-
-def tie(spec: mujoco.MjSpec, name: str, terms: tuple[Mapping[str, Any], Any]) -> None:
-    """Hold joint `name` at sum_j c_j q_j + c by a tendon equality."""
     coefficients, constant = terms
+    model = states.mechanism.model
     belt = spec.add_tendon(name=f"{name}_drive")
     belt.wrap_joint(name, 1.0)
     for joint, coefficient in coefficients.items():
@@ -65,10 +69,10 @@ def tie(spec: mujoco.MjSpec, name: str, terms: tuple[Mapping[str, Any], Any]) ->
         objtype=mujoco.mjtObj.mjOBJ_TENDON,
         name1=belt.name,
     )
-    # The equality counts from the tendon's length at the zero posture, which is that of the joints' own zeros.
-    model = outline(spec)
-    data = model.tendon(belt.name).length0
-    law.data[0] = float(constant) - float(data[0])
+    # MuJoCo counts from the tendon's length at the zero posture, where this joint stands at 0.
+    zero = sum(float(c) * float(model.qpos0[model.joint(joint).qposadr[0]]) for joint, c in coefficients.items())
+    law.data[0] = float(constant) + zero
+    return crank
 
 
 def mass(value: Any) -> Inertial:
@@ -78,8 +82,16 @@ def mass(value: Any) -> Inertial:
 
 def weigh(body: Any, value: float) -> None:
     """Make a body a point mass, possibly of none."""
-    body.mass, body.inertia, body.ipos = value, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+    body.mass, body.inertia = value, [0.0, 0.0, 0.0]
+    body.ipos = [0.0, 0.0, 0.0]  # said, else the saved file lacks it and MuJoCo refuses to read it back
     body.explicitinertial = True
+
+
+def add_point_mass(spec: mujoco.MjSpec, name: str, body: str, at: Any, value: float) -> None:
+    """Add a point mass as a body welded at a point of another; none for zero mass or the world."""
+    if value == 0.0 or body == "world":
+        return
+    weigh(spec.body(body).add_body(name=name, pos=[float(v) for v in at]), value)
 
 
 def positive_length(value: Any, what: str, name: str) -> None:
@@ -102,12 +114,12 @@ __all__ = [
     "add_frame",
     "add_joint",
     "add_pin",
+    "add_point_mass",
     "add_shaft",
     "add_site",
     "mass",
-    "outline",
     "positive_length",
     "read_joint",
-    "tie",
     "weigh",
+    "zero_length",
 ]

@@ -10,8 +10,10 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.balancers.paths import bodies
+from equipoise.balancers.paths.mount import along_mount
 from equipoise.balancers.paths.path import Moving, Path, Place, Sketch
 from equipoise.balancers.paths.pulley import Pulley
+from equipoise.balancers.paths.rigging import guides, rig
 from equipoise.balancers.paths.taut import Node, Taut, taut
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
@@ -30,8 +32,9 @@ class Cable(Path):
     tangents, t_i' their directions, w_i the angles wrapped about pulleys of radius r_i, and J_i the Jacobians of
     points and centres: a sheave turns freely, so its pull goes through its centre. ratio is that of a tackle (no
     unit), offset in m: minus the cable's own length leaves the spring's. A pulley works in its plane; the cable
-    lifts off where it would run straight past it, and a pulley holds up to 270 degrees. The spring sits on the first
-    run, at its first point. Raises InputError for a cable that leaves a pulley's plane and for a point inside it.
+    lifts off where it would run straight past it. With ratio 1 and no offset the whole cable is the spring, an
+    elastic cord; else the spring hangs on the first point and pulls the cable's end along the first run. Raises
+    InputError for a cable that leaves a pulley's plane, a point inside a pulley and a wrap that may be a turn off.
     """
 
     through: tuple[Point | Pulley, ...]
@@ -48,21 +51,29 @@ class Cable(Path):
         return taut([_node(item, states) for item in self.through])
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
-        """The first point, and the spring's other end on the first run at l from it."""
-        return ((self._first, 0.5), (Moving(self._hook, lambda _, name: Point(f"{name}_hook")), 0.5))
+        """An elastic cord's two ends; of a cable with a spring the first point and the hook at l from it."""
+        if self._cord:
+            return ((self._place(0), 0.5), (self._place(-1), 0.5))
+        return ((self._place(0), 0.5), (Moving(self._hook, lambda _, name: Point(f"{name}_hook")), 0.5))
 
     @property
-    def _first(self) -> Point:
-        first = self.through[0]
-        return first.centre if isinstance(first, Pulley) else first
+    def _cord(self) -> bool:
+        """Whether the spring is the whole cable."""
+        plain = np.ndim(self.ratio) == 0 and np.ndim(self.offset) == 0
+        return plain and self.ratio == 1 and self.offset == 0
+
+    def _place(self, index: int) -> Point:
+        item = self.through[index]
+        return item.centre if isinstance(item, Pulley) else item
 
     def _hook(self, states: States) -> tuple[Array, Array]:
         length, rate = self.deform(states)
+        first = self._place(0)
         along = self.taut(states).direction[..., 0, :]
-        turned, _ = states.rotation(self._first.body)
+        turned, _ = states.rotation(first.body)
         local = np.einsum("...ij,...i->...j", turned, along)
-        at = np.asarray([np.asarray(v) + length * local[..., i] for i, v in enumerate(self._first.at)])
-        position, jacobian = states.point(Point(self._first.body, tuple(at)))
+        at = tuple(np.asarray(v) + length * local[..., i] for i, v in enumerate(first.at))
+        position, jacobian = states.point(Point(first.body, at))  # type: ignore[arg-type]
         return position, jacobian + along[..., :, None] * rate[..., None, :]
 
     def weights(self) -> tuple[tuple[Place, Any], ...]:
@@ -96,17 +107,35 @@ class Cable(Path):
         if np.ndim(self.ratio) == 0 and self.ratio == 0:
             raise InputError(f"the ratio of the cable of spring {name} is 0", where=where)
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
-        """A tendon over the same points and pulleys."""
-        tendon = spec.add_tendon(name=name)
-        for number, item in enumerate(self.through):
-            if isinstance(item, Pulley) and item.radius:
-                geom = item.install(spec, f"{name}_{number}")
-                tendon.wrap_geom(geom.name, "")
-            else:
-                point = item.centre if isinstance(item, Pulley) else item
-                tendon.wrap_site(bodies.add_site(spec, point, f"{name}_{number}").name)
-        return tendon
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
+        """A tendon over the same points and pulleys; where l is not its length, a hook on the first run reads l."""
+        cable = self.taut(states)
+        if self._cord:
+            return rig(spec, name, self.through, cable, states)
+        tendon = rig(spec, f"{name}_cable", self.through, cable, states)
+        first = self._place(0)
+        along = states.rotation(first.body)[0][0].T @ cable.direction[0, 0]
+        frame = bodies.add_frame(spec, along_mount(first, along), f"{name}_frame")
+        hook = bodies.add_body(frame, f"{name}_hook", bodies.NOTHING)
+        bodies.add_joint(hook, f"{name}_hook", axis=bodies.SLIDING, slide=True)
+        reading = bodies.read_joint(spec, name, f"{name}_hook")
+        law = spec.add_equality(
+            name=f"{name}_tackle",
+            type=mujoco.mjtEq.mjEQ_TENDON,
+            objtype=mujoco.mjtObj.mjOBJ_TENDON,
+            name1=reading.name,
+            name2=tendon.name,
+        )
+        start = bodies.zero_length(spec, tendon.name)
+        law.data[:5] = [float(self.ratio) * start + float(self.offset), float(self.ratio), 0.0, 0.0, 0.0]
+        return reading
+
+    def positions(self, states: States, name: str) -> dict[str, Array]:
+        """The guides between pulleys, and the hook."""
+        cable = self.taut(states)
+        if self._cord:
+            return guides(self.through, cable, states, name)
+        return {f"{name}_hook": self.deform(states)[0], **guides(self.through, cable, states, f"{name}_cable")}
 
     def sketch(self, states: States, row: int) -> Sketch:
         """The spring on the first run, the cable behind it, and the pulleys."""
@@ -129,4 +158,4 @@ def _node(item: Point | Pulley, states: States) -> Node:
     position, jacobian = states.point(item.centre)
     axis = np.asarray(item.axis, dtype=float)
     normal = states.rotation(item.body)[0] @ (axis / np.linalg.norm(axis))
-    return Node(position, jacobian, item.sense * np.asarray(item.radius), normal)
+    return Node(position, jacobian, item.sense * np.asarray(item.radius), normal, item.nominal)

@@ -56,9 +56,9 @@ class Cam(Driven):
         length, slope = self.curve(u)
         return (length, 0.0 * length), (slope, 0.0 * slope)
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """Cam and follower; the file's coupling is the quartic nearest to the profile over its own range."""
-        frame, _ = self.drive(spec, name, 0.02)
+        frame, _ = self.drive(spec, name, states, 0.02)
         follower = bodies.add_body(frame, f"{name}_follower", bodies.mass(self.follower_mass))
         bodies.add_joint(follower, f"{name}_follower", axis=bodies.SLIDING, slide=True)
         at = np.linspace(self.profile.angles[0], self.profile.angles[-1], 400)
@@ -75,6 +75,19 @@ class Cam(Driven):
         """Cam angle and follower."""
         u, _ = self.crank_angle(states)
         return {f"{name}_crank": u, f"{name}_follower": self.curve(u)[0]}
+
+    def laws(self, states: States, name: str) -> dict[str, Array]:
+        """The profile's cubic at each cam angle, in powers of the angle itself."""
+        start, cubic = self.profile.pieces(self.crank_angle(states)[0])
+        c3, c2, c1, c0 = (self.scale * c for c in cubic)
+        whole = [
+            self.offset + c0 - start * (c1 - start * (c2 - start * c3)),
+            c1 - start * (2 * c2 - 3 * start * c3),
+            c2 - 3 * start * c3,
+            c3,
+            0.0 * c0,
+        ]
+        return {f"{name}_lift": np.stack(whole, axis=1)}
 
     def sketch(self, states: States, row: int) -> Sketch:
         """The pitch curve of the in-line follower, and the spring beyond it."""

@@ -78,7 +78,8 @@ class Driven(Path):
 
         def where(states: States) -> tuple[Array, Array]:
             u, rate = self.crank_angle(states)
-            return self.at(states.mechanism.model).moving(states, *place(u), rate)
+            position, pace = place(u)
+            return self.at(states.mechanism.model).moving(states, position, pace, rate)
 
         return Moving(where, lambda _, name: Point(f"{name}_{part}"))
 
@@ -110,10 +111,10 @@ class Driven(Path):
         """Places and masses of cranks, rods and sliders."""
         return ()
 
-    def drive(self, spec: mujoco.MjSpec, name: str, length: float) -> tuple[Any, Any]:
+    def drive(self, spec: mujoco.MjSpec, name: str, states: States, length: float) -> tuple[Any, Any]:
         """Add the mount's frame and the crank `<name>_crank` that the input turns; returns both bodies."""
-        model = bodies.outline(spec)
+        model = states.mechanism.model
         frame = bodies.add_frame(spec, self.at(model), f"{name}_frame")
         coefficients, constant = self.input.terms(model)
-        crank = bodies.add_shaft(spec, frame, f"{name}_crank", (coefficients, constant + self.phase), length)
+        crank = bodies.add_shaft(spec, frame, f"{name}_crank", (coefficients, constant + self.phase), length, states)
         return frame, crank

@@ -82,12 +82,12 @@ class InvertedSliderCrank(Driven):
         for what in ("crank", "distance"):
             bodies.positive_length(getattr(self, what), what, name)
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """Crank, swivelling pivot and the rod that slides in it; the tendon reads the slide."""
         a, d = float(self.crank), float(self.distance)
         if a == d:
             raise InputError("crank and distance are equal: pin and pivot may meet", where=f"spring {name}")
-        frame, crank = self.drive(spec, name, a)
+        frame, crank = self.drive(spec, name, states, a)
         bodies.weigh(crank.add_body(name=f"{name}_crank_middle", pos=[0.5 * a, 0.0, 0.0]), float(self.crank_mass))
         pin = crank.add_body(name=f"{name}_pin", pos=[a, 0.0, 0.0])
         bodies.weigh(pin, 0.0)

@@ -58,7 +58,7 @@ class Line(Path):
                 hint="put the ends on two bodies with a joint between them",
             )
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:  # noqa: ARG002
         """Add the path to a model as a spatial tendon between two sites."""
         tendon = spec.add_tendon(name=name)
         for side, point in (("a", self.a), ("b", self.b)):

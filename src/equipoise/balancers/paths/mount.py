@@ -54,7 +54,7 @@ class Mount:
     def point(self, x: Any, y: Any) -> Point:
         """The point (x, y) of the mount's plane, m, in its body's frame."""
         e, f, _ = self.frame
-        return Point(self.at.body, tuple(self.at.at[i] + x * e[i] + y * f[i] for i in range(3)))  # type: ignore[arg-type]
+        return Point(self.at.body, tuple(self.at.at[i] + x * e[i] + y * f[i] for i in range(3)))
 
     def moving(self, states: States, place: tuple[Any, Any], pace: tuple[Any, Any], rate: Array) -> tuple[Array, Array]:
         """World position and Jacobian of a point at (x, y) that moves by (dx, dy)/du as u moves by rate du/dq."""
@@ -63,3 +63,10 @@ class Mount:
         turned = states.rotation(self.at.body)[0]
         drift = np.asarray(pace[0])[..., None] * (turned @ e) + np.asarray(pace[1])[..., None] * (turned @ f)
         return position, jacobian + drift[..., None] * rate[..., None, :]
+
+
+def along_mount(at: Point, direction: Array) -> Mount:
+    """A mount at a point whose direction is given and whose axis is any square to it."""
+    e = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
+    axis = np.cross(e, np.eye(3)[int(np.abs(e).argmin())])
+    return Mount(at, tuple(e.tolist()), tuple((axis / np.linalg.norm(axis)).tolist()))

@@ -87,11 +87,15 @@ class Path(ABC):
         return ()
 
     @abstractmethod
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
-        """Add the path's parts to a model, and a tendon whose length is l."""
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
+        """Add the path's parts to a model, made for the motion of the states, and a tendon whose length is l."""
 
     def positions(self, states: States, name: str) -> dict[str, Array]:  # noqa: ARG002
         """Positions (N,) of the joints that `install` adds, by name: where the added loops are closed from."""
+        return {}
+
+    def laws(self, states: States, name: str) -> dict[str, Array]:  # noqa: ARG002
+        """Coefficients (N, 5) of joint equalities that `install` adds and one polynomial cannot say, by name."""
         return {}
 
     @abstractmethod

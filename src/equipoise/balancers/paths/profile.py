@@ -110,13 +110,20 @@ class Profile:
 
     def __call__(self, u: Any) -> tuple[Array, Array]:
         """Lift and its derivative, m and m/rad, at angles u of any shape, real or complex."""
-        knots, table = _spline(self)
-        turned = u if self.kind != "periodic" else u - FULL * np.floor((np.real(u) - knots[0]) / FULL)
-        self._inside(turned)
-        piece = np.clip(np.searchsorted(knots, np.real(turned), side="right") - 1, 0, len(knots) - 2)
-        x = turned - knots[piece]
-        c3, c2, c1, c0 = (row[piece] for row in table)
+        start, (c3, c2, c1, c0) = self.pieces(u)
+        x = u - start
         return ((c3 * x + c2) * x + c1) * x + c0, (3 * c3 * x + 2 * c2) * x + c1
+
+    def pieces(self, u: Any) -> tuple[Array, Array]:
+        """Where the cubic that holds at each angle u starts, rad, and its coefficients (4, ...), highest power first."""
+        knots, table = _spline(self)
+        turns = (
+            FULL * np.floor((np.real(u) - knots[0]) / FULL) if self.kind == "periodic" else np.zeros_like(np.real(u))
+        )
+        inside = np.real(u) - turns
+        self._inside(inside)
+        piece = np.clip(np.searchsorted(knots, inside, side="right") - 1, 0, len(knots) - 2)
+        return knots[piece] + turns, table[:, piece]
 
     def _inside(self, u: Any) -> None:
         low, high = self.angles[0], self.angles[-1]

@@ -36,7 +36,7 @@ class Reel(Path):
         """Raise InputError for a cable that is not there or that no motion changes."""
         Line(*mechanism.cable(self.cable)).check(mechanism, name)
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:  # noqa: ARG002
         """Add a tendon along the cable to a model."""
         found = spec.tendon(self.cable)
         if found is None:

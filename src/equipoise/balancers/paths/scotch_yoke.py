@@ -69,10 +69,10 @@ class ScotchYoke(Driven):
         if np.ndim(self.radius) == 0 and self.radius == 0:
             raise InputError(f"the yoke of spring {name} has a crank of radius 0", where=f"spring {name}")
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """Crank, yoke and the block in its slot, pinned to the crank; the tendon reads the yoke's slide."""
         radius, offset = float(self.radius), float(self.offset)
-        frame, crank = self.drive(spec, name, abs(radius))
+        frame, crank = self.drive(spec, name, states, abs(radius))
         middle = crank.add_body(name=f"{name}_crank_middle", pos=[0.5 * radius, 0.0, 0.0])
         bodies.weigh(middle, float(self.crank_mass))
         yoke = bodies.add_body(frame, f"{name}_yoke", bodies.mass(self.yoke_mass))

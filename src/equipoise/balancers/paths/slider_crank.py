@@ -94,7 +94,7 @@ class SliderCrank(Driven):
         return (px + f * (x - px), py + f * (y - py)), (-py + f * (dx + py), px + f * (dy - px))
 
     @property
-    def lengths(self) -> str:  # type: ignore[override]
+    def lengths(self) -> str:
         """The lengths in words."""
         return f"crank {self.crank * 1e3:.5g} mm, rod {self.rod * 1e3:.5g} mm, offset {self.offset * 1e3:.5g} mm"
 
@@ -114,10 +114,10 @@ class SliderCrank(Driven):
         u, _ = self.crank_angle(states)
         return (Need("reach of the rod", "m", self.room(u) - 1e-3 * self.rod, float(np.real(np.ravel(self.rod)[0]))),)
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """Crank, rod and slider, pinned together; the tendon reads the slider's slide."""
         a, b, e = float(self.crank), float(self.rod), float(self.offset)
-        frame, crank = self.drive(spec, name, a)
+        frame, crank = self.drive(spec, name, states, a)
         middle = crank.add_body(name=f"{name}_crank_middle", pos=[float(self.crank_com) * a, 0.0, 0.0])
         bodies.weigh(middle, float(self.crank_mass))
         rod = bodies.add_body(crank, f"{name}_rod", bodies.NOTHING, pos=(a, 0.0, 0.0), length=b)

@@ -14,8 +14,8 @@ from equipoise.errors import InputError
 PLANE = 1e-7
 """How far, in lengths of a run, a cable may leave a pulley's plane: what the digits of a robot file leave."""
 
-LIFTED = -0.5 * np.pi
-"""Wraps below this are wraps of more than 270 degrees; between it and zero the cable has lifted off."""
+UNSURE = np.radians(170.0)
+"""How far a wrap may be from its nominal value before one cannot tell it from a turn more or less."""
 
 ARC = 13
 
@@ -24,13 +24,15 @@ ARC = 13
 class Node:
     """A place that a cable passes: position (..., N, 3) and Jacobian (..., N, 3, nd); a pulley's signed radius.
 
-    turn is the radius, positive where the cable turns counter-clockwise about normal (N, 3), zero for points.
+    turn is the radius, positive where the cable turns counter-clockwise about normal (N, 3), zero for points;
+    nominal is the wrap, rad, near which the true one lies.
     """
 
     position: Array
     jacobian: Array
     turn: Any = 0.0
     normal: Array | None = None
+    nominal: float = 0.0
 
     @property
     def wraps(self) -> bool:
@@ -74,9 +76,9 @@ def taut(nodes: list[Node]) -> Taut:
     """The cable through all nodes; raises InputError where it leaves a pulley's plane or starts inside one."""
     shape = np.broadcast_shapes(*(node.position.shape[:-1] for node in nodes), *(np.shape(n.turn) for n in nodes))
     kept = np.ones((*shape, len(nodes)), dtype=bool)
-    while True:
+    for _ in nodes:
         # Rows over which the same pulleys are touched go together.
-        found = None
+        found: tuple[Array, ...] | None = None
         patterns = np.unique(kept.reshape(-1, len(nodes)), axis=0)
         for pattern in patterns:
             part = _through(nodes, [int(i) for i in np.flatnonzero(pattern)], shape)
@@ -86,10 +88,27 @@ def taut(nodes: list[Node]) -> Taut:
         length, rate, direction, wrap = found
         loose = np.where(kept, np.real(wrap), 0.0)
         lifted = (loose < 0).any(axis=-1)
+        if kept.all() and kept.ndim == 2:
+            _sure(nodes, wrap)
         if not lifted.any():
-            return Taut(nodes, length, rate, direction, wrap)
+            break
         worst = loose.argmin(axis=-1)
         kept &= ~(lifted[..., None] & (np.arange(len(nodes)) == worst[..., None]))
+    return Taut(nodes, length, rate, direction, wrap)
+
+
+def _sure(nodes: list[Node], wrap: Array) -> None:
+    """Raise InputError where a wrap is so far from its nominal value that a turn more or less is as likely."""
+    for index, node in enumerate(nodes):
+        off = np.abs(np.real(wrap[:, index]) - node.nominal)
+        if node.wraps and off.max() > UNSURE:
+            worst = np.degrees(float(np.real(wrap[int(off.argmax()), index])))
+            raise InputError(
+                f"the cable wraps pulley {index + 1} by {worst:.4g} deg, too far from {np.degrees(node.nominal):.4g} "
+                "deg to be told from a turn more or less",
+                where="cable",
+                hint="say `nominal` of the pulley: the wrap near which it works, 0 deg where the cable may stand off",
+            )
 
 
 def _choose(here: Array, one: Array, other: Array) -> Array:
@@ -98,7 +117,7 @@ def _choose(here: Array, one: Array, other: Array) -> Array:
 
 def _through(nodes: list[Node], index: list[int], shape: tuple[int, ...]) -> tuple[Array, Array, Array, Array]:
     """Length, rate, direction per run of all nodes, and wrap per node, with the cable on some nodes only."""
-    runs = [_run(nodes[i], nodes[j]) for i, j in pairwise(index)]
+    runs = [tangent(nodes[i], nodes[j]) for i, j in pairwise(index)]
     length = sum(size for size, _ in runs)
     rate = sum(
         np.einsum("...i,...ij->...j", u, nodes[j].jacobian - nodes[i].jacobian)
@@ -121,8 +140,8 @@ def _size(node: Node) -> Any:
     return node.turn * np.sign(np.real(node.turn))
 
 
-def _run(a: Node, b: Node) -> tuple[Array, Array]:
-    """Length and direction of the straight run between two nodes: their common tangent."""
+def tangent(a: Node, b: Node) -> tuple[Array, Array]:
+    """Length (..., N) and direction (..., N, 3) of the straight run between two nodes: their common tangent."""
     gap = b.position - a.position
     if not a.wraps and not b.wraps:
         length = np.sqrt((gap * gap).sum(-1))
@@ -168,16 +187,16 @@ def _in_plane(gap: Array, normal: Array) -> None:
 
 
 def _turned(before: Array, after: Array, node: Node) -> Array:
-    """The angle wrapped about a pulley, rad, in (-pi/2, 3 pi/2]."""
+    """The angle wrapped about a pulley, rad, within half a turn of the nominal one; negative where it has lifted off."""
     assert node.normal is not None
     sense = np.sign(np.real(node.turn))
     sine = sense * (np.cross(before, after) * node.normal).sum(-1)
     cosine = (before * after).sum(-1)
     angle = _arctan2(sine, cosine)
-    return angle + np.where(np.real(angle) <= LIFTED, 2 * np.pi, 0.0)
+    return angle + 2 * np.pi * np.round((node.nominal - np.real(angle)) / (2 * np.pi))
 
 
-def _arctan2(y: Array, x: Array) -> Array:
+def _arctan2(y: Any, x: Any) -> Any:
     """arctan2 whose imaginary part is its derivative, as complex steps want it."""
     angle = np.arctan2(np.real(y), np.real(x))
     if not (np.iscomplexobj(y) or np.iscomplexobj(x)):

@@ -49,11 +49,11 @@ class Turn(Path):
 
         return ((Moving(where, lambda model, _: self.shaft(model).at), 1.0),)
 
-    def install(self, spec: mujoco.MjSpec, name: str) -> mujoco.MjsTendon:
+    def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """Add a shaft `<name>_shaft` that the joints turn, and a tendon that reads its position."""
-        model = bodies.outline(spec)
+        model = states.mechanism.model
         frame = bodies.add_frame(spec, self.shaft(model), f"{name}_frame")
-        bodies.add_shaft(spec, frame, f"{name}_shaft", self.terms(model), SHOWN)
+        bodies.add_shaft(spec, frame, f"{name}_shaft", self.terms(model), SHOWN, states)
         return bodies.read_joint(spec, name, f"{name}_shaft")
 
     def positions(self, states: States, name: str) -> dict[str, Array]:

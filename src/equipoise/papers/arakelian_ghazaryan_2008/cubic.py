@@ -70,8 +70,8 @@ def squared_sum() -> Cubic:
 def correct_cubic(step: float = STEP) -> Cubic:
     """The stationary points of the sum of squares, Eq. 13: products of sums become sums of products."""
     c1, c2, c3 = terms(step)
-    S33 = c3 @ c3
-    return Cubic(3 * (c2 @ c3) / (2 * S33), (c2 @ c2 + 2 * (c1 @ c3)) / (2 * S33), (c1 @ c2) / (2 * S33))
+    S12, S13, S22, S23, S33 = (float(a @ b) for a, b in ((c1, c2), (c1, c3), (c2, c2), (c2, c3), (c3, c3)))
+    return Cubic(3 * S23 / (2 * S33), (S22 + 2 * S13) / (2 * S33), S12 / (2 * S33))
 
 
 def first_part(cubic: Cubic, *, mended: bool) -> float:

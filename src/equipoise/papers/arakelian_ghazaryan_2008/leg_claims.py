@@ -82,7 +82,7 @@ def leg_claims() -> list[Claim]:
             lambda span: span < ROUNDING,
             "J",
             correction="with S2 as a device of negative rate and zero free length, which a coil is not",
-            note="largest less smallest energy over 1000 postures with the links' own masses, D = 0.04 m, Eq. 7 and "
+            note="largest less smallest energy over 1024 postures with the links' own masses, D = 0.04 m, Eq. 7 and "
             f"l_OB = {height:.6f} m",
         ),
         P.sentence(
@@ -92,7 +92,7 @@ def leg_claims() -> list[Claim]:
             lambda torque: torque < ROUNDING,
             "N m",
             correction="with S2 as a device of negative rate and zero free length, which a coil is not",
-            note="largest holding torque of either joint over 1000 postures",
+            note="largest holding torque of either joint over 1024 postures",
         ),
         P.sentence(
             "a compression spring between hip and A has the rate k_S2 = -k that cancels k_S1",
@@ -123,7 +123,8 @@ def _orthosis(k: float, height: float) -> list[eq.Spring]:
 
 
 def _postures() -> eq.States:
-    return model.leg().states(eq.Sweep.sobol(model.leg(), 1000))
+    turn = (-math.pi, math.pi, 32)
+    return model.leg().states(eq.Sweep.grid(model.leg(), {"thigh_joint": turn, "shank_joint": turn}))
 
 
 def _energy_span(k: float, height: float) -> float:

@@ -45,6 +45,9 @@ def theory_claims() -> list[Claim]:
     fair = cubic.Cubic(1.0, 1.0, 2.0)
     confluent = cubic.Cubic(1.0, -5.0, 3.0)  # (z - 1)^2 (z + 3)
     double = -cubic.first_part(confluent, mended=True) - confluent.a / 3
+    level, hanging, preloaded = (
+        _cable(heavy, *how) for how in (((-0.5, 0.16), 0.0), ((0.0, -0.4), 0.0), ((0.0, -0.4), 0.5))
+    )
     return [
         P.sentence(
             "with the spring's mass in the equation a spring of zero free length balances the link exactly",
@@ -53,6 +56,16 @@ def theory_claims() -> list[Claim]:
             lambda left: left < ROUNDING,
             "N m",
             note="largest unbalanced moment at the rate of Eqs. 8-10 must be at rounding level",
+        ),
+        P.sentence(
+            "on a cable over a pulley the mass of the spring has no influence on the balancing",
+            "1",
+            level,
+            lambda moment: moment < ROUNDING,
+            "N m",
+            correction="holds for a spring that lies level",
+            note=f"largest moment that its mass adds; a hanging one pulls at the cable with half its weight and adds "
+            f"{hanging:.3f} N m, which a preload of that half takes away exactly (to {preloaded:.1g} N m)",
         ),
         P.sentence(
             "where springs are jointed to links their mass must enter the equations",
@@ -189,6 +202,19 @@ def _turns(exact: float) -> int:
     while abs(k / exact - 1) > ROUNDING:
         k, turns = (MASS * COM + 0.5 * float(WIRE_1.of(k)) * R) * G / (Y_B * R), turns + 1
     return turns
+
+
+def _cable(k: float, foot: tuple[float, float], relief: float) -> float:
+    """Largest moment added by the mass of a spring from `foot` by a cable over the pulley at B, N m.
+
+    The last 0.3 m before the pulley are cable; relief is the part of the weight that a preload takes.
+    """
+    mass, eye, cable = float(WIRE_1.of(k)), eq.Pulley("world", (0.0, 0.0, Y_B)), 0.3
+    points = (eq.Point("world", (foot[0], 0.0, foot[1])), eye, eq.Point("link", (R, 0.0, 0.0)))
+    path = eq.Cable(points, offset=-cable)
+    bare = moment(eq.Spring("s", path, eq.Linear(k, k * cable)), step=5)
+    laden = moment(eq.Spring("s", path, eq.Linear(k, k * cable - relief * mass * G), mass=mass), step=5)
+    return float(np.abs(laden - bare).max())
 
 
 def _distributed(k: float) -> np.ndarray:

@@ -72,7 +72,7 @@ def shaped(names: tuple[str, ...], norm: Norm) -> eq.Design:
     """The dyad with these parameters free, started from the published one."""
     start = design(MANY)[1] if "s.path.phase" in names else Dyad(design(MANY)[1].r, design(MANY)[1].l, 0.0)
     bounds = {name: BOUNDS[name] for name in names}
-    return eq.shape(link(), [start.spring()], over(), bounds, norm=norm)
+    return eq.shape(link(), [start.spring()], over(), bounds, norm=norm, starts=len(names))
 
 
 def _shaped(names: tuple[str, ...], words: str, norm: Norm) -> Improvement:
