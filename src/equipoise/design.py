@@ -208,6 +208,10 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
         "unit": spring.path.unit,
         "parameters": parameters,
         "units": {name: units[name] for name in parameters},
+        "details": {
+            words: {"value": value, "unit": unit}
+            for words, (value, unit) in spring.law.details(spring.own(design.values), length).items()
+        },
         "stored": {"exact": stored.exact, "error": stored.error},
         "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],

@@ -75,13 +75,15 @@ def _coordinate(value: float) -> str:
 
 def _facts(part: Mapping[str, Any]) -> list[list[str]]:
     pushes = part["force"][0] < -1e-9 * abs(part["force"][1])
-    facts = [
-        ["length", span(part["length"], "m")],
-        ["stroke", quantity(part["stroke"], "m", 3)],
-        ["force", join([span(part["force"], "N"), small("negative: it pushes") if pushes else ""])],
-        ["energy", phrases.energy_words(part).removeprefix("energy ")],
-    ]
-    return [*facts, ["own mass", quantity(part["mass"], "kg", 3)]] if part.get("mass") else facts
+    facts = [[name, value] for name, value in phrases.facts(part)]
+    if pushes:
+        facts[1][1] = join([facts[1][1], small("negative: it pushes")])
+    facts += [[name, value] for name, value in phrases.details(part)]
+    if part.get("mass"):
+        facts.append(["own mass", quantity(part["mass"], "kg", 3)])
+    if words := phrases.stored_words(part):
+        facts.append(["saved model", words])
+    return facts
 
 
 def _found(design: Design) -> Raw:

@@ -122,6 +122,7 @@ def _part(part: Mapping[str, Any], balancer: object, design: Design) -> list[str
             *_labelled(name, phrases.law_words(part, balancer)),
             *_labelled("", phrases.where_words(part)),
             *_labelled("", phrases.work_words(part)),
+            *(_labelled("", words) if (words := phrases.stored_words(part)) else []),
         ]
     name = f"weight {part['name']}"
     return [*_labelled(name, phrases.weight_words(part, design)), *_labelled("", f"at {phrases.where_words(part)}")]
