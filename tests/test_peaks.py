@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import equipoise as eq
-from equipoise import steepness
+from equipoise.affine import Block
 from equipoise.assemble import effort
 from equipoise.peaks import polish
+from equipoise.steepness import steepness
 from equipoise.verbs.analyze import table
 
 ROBOTS = "package://example-robot-data/robots/"
@@ -69,14 +70,12 @@ def test_both_kinds_of_slope_are_that_of_the_magnitude(payload):
     sweep = eq.Sweep.sobol(arm, 64, payload=payload)
     spring = eq.Spring("s", eq.Line(arm.at("world", 0.1, 0, 0.4), arm.at("fore", 0.1, 0, 0.05)), eq.Coil(0.1, k=500.0))
 
-    def residual(states):
-        return effort(arm, [spring], states).at(np.zeros(0))
+    def told(blocks):
+        return blocks, lambda states: (blocks, effort(arm, [spring], states).at(np.zeros(0)))
 
-    columns, scale = np.arange(2), np.array([1.0, 3.0])
     rows = np.arange(64) % 2
-    made = {"columns": columns, "scale": scale, "sizes": (1, 1)}
-    by_symmetry = steepness.steepness(arm, sweep, "hold", residual, **made)(sweep.poses, rows)
-    by_differences = steepness.steepness(arm, sweep, "wrench", residual, **made)(sweep.poses, rows)
+    by_symmetry = steepness(arm, sweep, *told(arm.driven_blocks))(sweep.poses, rows)
+    by_differences = steepness(arm, sweep, *told([Block("one", ""), Block("two", "")]))(sweep.poses, rows)
     for one, other in zip(by_symmetry, by_differences, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6)
 
@@ -100,15 +99,14 @@ def test_no_dense_grid_finds_more(model, ends, ranges):
     spring = eq.Spring("s", eq.Line(arm.at(ends[0], reach, 0.3 * reach, -reach), arm.at(ends[1], 0, 0, reach)),
                        eq.Coil(free_length=reach, k=k))  # fmt: skip
 
-    def residual(states):
-        return effort(arm, [spring], states).at(np.zeros(0))
+    def told(states):
+        return arm.driven_blocks, effort(arm, [spring], states).at(np.zeros(0))
 
     box = dict(zip(arm.driven, arm.box, strict=True))
     dense = eq.Sweep.grid(arm, {joint: (*box[joint], count) for joint, count in ranges.items()})
-    top = np.abs(residual(arm.states(dense))).max(axis=0)
+    top = np.abs(told(arm.states(dense))[1]).max(axis=0)
     few = eq.Sweep.grid(arm, {joint: (*box[joint], 5) for joint in ranges})
-    states = arm.states(few)
-    found = table(arm, few, states, residual(states), residual)
+    found = table(arm, few, arm.states(few), told)
     for joint, value in zip(arm.driven, top, strict=True):
         assert value <= found[joint].peak * (1 + 1e-9) + 1e-9 * top.max()
         assert found[joint].peak <= value * 1.01 + 1e-9 * top.max()

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise import chunks
-from equipoise.affine import Array, magnitudes
-from equipoise.assemble import Balancer, effort
+from equipoise.affine import magnitudes
+from equipoise.assemble import account
 from equipoise.design import Row
 from equipoise.mechanism import Mechanism
-from equipoise.objective import goal_blocks
 from equipoise.peaks import polish
 from equipoise.states import States
-from equipoise.steepness import steepness
+from equipoise.steepness import Account, steepness
 from equipoise.sweep import Sweep
-
-Evaluate = Callable[[States], Array]
 
 WORTH_SHARE = 0.1
 WORTH_MOTOR = 0.02
@@ -44,7 +40,7 @@ class Analysis:
             "mass": self.mechanism.mass,
             "sweep": self.sweep.describe(),
             "rows": {
-                joint: row.json() | {"worth_a_spring": not self.reasons[joint], "reason": self.reasons[joint]}
+                joint: row.json() | {"worth_a_spring": joint in self.worth, "reason": self.reasons.get(joint, "")}
                 for joint, row in self.rows.items()
             },
             "audit": list(self.mechanism.remarks),
@@ -57,15 +53,20 @@ class Analysis:
 
 
 def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
-    """Holding effort of every driven joint over a sweep (default: 2048 Sobol poses over the joint limits).
+    """Effort of every driven joint over a sweep (default: 2048 Sobol poses over the joint limits).
 
+    Over poses it is what motors hold; over a motion what they supply, inertia included, and the wrench of the
+    base on the mechanism is told beside it (moment about the world origin).
     A joint is not worth a spring where gravity loads it with less than 10 % of the largest effort of its
     unit and less than 2 % of its motor limit. Peaks are polished between the samples.
     """
     sweep = sweep or Sweep.sobol(mechanism)
     states = mechanism.states(sweep)
-    rows = table(mechanism, sweep, states, states.holding, lambda other: other.holding)
-    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, rows) for joint in rows})
+    rows = table(mechanism, sweep, states, lambda other: account(mechanism, (), other, (), {}))
+    loads = {joint: rows[joint] for joint in mechanism.driven}
+    if states.rates is not None:
+        loads = table(mechanism, sweep, states, lambda other: (mechanism.driven_blocks, other.holding))
+    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads})
 
 
 def _reason(joint: str, rows: dict[str, Row]) -> str:
@@ -84,36 +85,24 @@ def _reason(joint: str, rows: dict[str, Row]) -> str:
 
 
 def table(
-    mechanism: Mechanism,
-    sweep: Sweep,
-    states: States,
-    residual: Array,
-    evaluate: Evaluate,
-    *,
-    goal: str = "hold",
-    known: Mapping[str, Row] | None = None,
+    mechanism: Mechanism, sweep: Sweep, states: States, account: Account, known: Mapping[str, Row] | None = None
 ) -> dict[str, Row]:
-    """A row per block of a goal's residual (N, R): norms over the sweep's weights, peaks polished.
-
-    evaluate(states) -> (N, R) answers the residual at other states; known rows are taken as they are.
-    """
+    """A row per block of an account: norms over the sweep's weights, peaks polished; known rows stay as they are."""
     known = known or {}
     weight = states.weight / states.weight.sum()
-    limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True)) if goal == "hold" else {}
-    blocks = goal_blocks(mechanism, goal)
-    sizes = tuple(block.size for block in blocks)
-    size = magnitudes(residual, sizes)
+    blocks, residual = account(states)
+    magnitude = magnitudes(residual, [block.size for block in blocks])
     new = np.array([place for place, block in enumerate(blocks) if block.name not in known], dtype=int)
-    sampled = size[:, new].reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    every = np.arange(residual.shape[1])
-    probe = steepness(mechanism, sweep, goal, evaluate, columns=every, scale=np.ones(len(every)), sizes=sizes)
-    peaks = polish(lambda poses, rows: probe(poses, new[rows]), sweep.poses, sampled, sweep.box)
+    sampled = magnitude[:, new].reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
+    probe = steepness(mechanism, sweep, blocks, account)
+    peaks = polish(lambda places, rows: probe(places, new[rows]), sweep.coordinates, sampled, sweep.domain)
+    limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True))
     found = {
         blocks[i].name: Row(
             peak=float(peak),
             sample_peak=float(sample),
-            rms=float(np.sqrt(weight @ size[:, i] ** 2)),
-            mean=float(weight @ size[:, i]),
+            rms=float(np.sqrt(weight @ magnitude[:, i] ** 2)),
+            mean=float(weight @ magnitude[:, i]),
             unit=blocks[i].unit,
             limit=float(limits[blocks[i].name]) if np.isfinite(limits.get(blocks[i].name, np.inf)) else None,
         )
@@ -122,32 +111,13 @@ def table(
     return {block.name: known.get(block.name) or found[block.name] for block in blocks}
 
 
-def tables(
-    mechanism: Mechanism,
-    sweep: Sweep,
-    states: States,
-    balancers: Sequence[Balancer],
-    theta: Array,
-    goals: Sequence[str],
+def before_and_after(
+    mechanism: Mechanism, sweep: Sweep, states: States, bare: Account, balanced: Account
 ) -> tuple[dict[str, Row], dict[str, Row]]:
-    """The rows of several goals, without balancers and with them at given values."""
-    before: dict[str, Row] = {}
-    after: dict[str, Row] = {}
-    for goal in goals:
-
-        def bare(other: States, goal: str = goal) -> Array:
-            return effort(mechanism, (), other, goal).b
-
-        def evaluate(other: States, goal: str = goal) -> Array:
-            if chunks.is_big(balancers, other, len(theta)):
-                return chunks.residual(mechanism, balancers, other, goal, theta)
-            return effort(mechanism, balancers, other, goal).at(theta)
-
-        without, with_them = bare(states), evaluate(states)
-        rows = table(mechanism, sweep, states, without, bare, goal=goal)
-        ends = np.cumsum([block.size for block in goal_blocks(mechanism, goal)])
-        same = np.logical_and.reduceat((without == with_them).all(axis=0), np.append(0, ends[:-1]))
-        untouched = {name: row for (name, row), alike in zip(rows.items(), same, strict=True) if alike}
-        before |= rows
-        after |= table(mechanism, sweep, states, with_them, evaluate, goal=goal, known=untouched)
-    return before, after
+    """Tables without and with balancers; rows that no balancer touches are judged once."""
+    before = table(mechanism, sweep, states, bare)
+    (blocks, without), (_, with_them) = bare(states), balanced(states)
+    starts = np.cumsum([0, *[block.size for block in blocks[:-1]]])
+    alike = np.logical_and.reduceat((without == with_them).all(axis=0), starts)
+    untouched = {block.name: before[block.name] for block, same in zip(blocks, alike, strict=True) if same}
+    return before, table(mechanism, sweep, states, balanced, untouched)

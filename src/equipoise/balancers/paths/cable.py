@@ -72,8 +72,8 @@ class Cable(Path):
         along = self.taut(states).direction[..., 0, :]
         turned, _ = states.rotation(first.body)
         local = np.einsum("...ij,...i->...j", turned, along)
-        at = tuple(np.asarray(v) + length * local[..., i] for i, v in enumerate(first.at))
-        position, jacobian = states.point(Point(first.body, at))  # type: ignore[arg-type]
+        x, y, z = (np.asarray(v) + length * local[..., i] for i, v in enumerate(first.at))
+        position, jacobian = states.point(Point(first.body, (x, y, z)))
         return position, jacobian + along[..., :, None] * rate[..., None, :]
 
     def weights(self) -> tuple[tuple[Place, Any], ...]:

@@ -115,7 +115,7 @@ class Profile:
         return ((c3 * x + c2) * x + c1) * x + c0, (3 * c3 * x + 2 * c2) * x + c1
 
     def pieces(self, u: Any) -> tuple[Array, Array]:
-        """Where the cubic that holds at each angle u starts, rad, and its coefficients (4, ...), highest power first."""
+        """Where the cubic at each angle u starts, rad, and its coefficients (4, ...), highest power first."""
         knots, table = _spline(self)
         turns = (
             FULL * np.floor((np.real(u) - knots[0]) / FULL) if self.kind == "periodic" else np.zeros_like(np.real(u))
