@@ -19,6 +19,7 @@ from equipoise.balancers.laws import (
     Torsion,
     WireMass,
     ZeroFreeLength,
+    gas_cylinder,
 )
 from equipoise.balancers.paths import (
     Absolute,
@@ -93,6 +94,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "coil": Coil,
     "constant": Constant,
     "gas": Gas,
+    "gas_cylinder": gas_cylinder,
     "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
