@@ -7,6 +7,7 @@ import pytest
 from scipy.optimize import least_squares, minimize_scalar
 
 import equipoise as eq
+from equipoise.reporting.payload import adjustments
 
 G = 9.8
 RADIUS = 0.2
@@ -148,3 +149,18 @@ def test_several_loads_and_a_tilted_gravity():
 def test_nonsense_is_refused(build, words):
     with pytest.raises(eq.InputError, match=words):
         build()
+
+
+def test_the_report_lists_the_settings_for_each_payload():
+    robot = arm()
+    over = eq.Sweep.grid(
+        robot,
+        {"link1_joint": (-1.5, 1.5, 9), "link2_joint": (-2.8, -0.3, 9)},
+        payload=[carried(m, (1.05, 0.12)) for m in (0.0, 10.0)],
+    )
+    one, two = yokes(None, None)
+    table = str(adjustments(eq.balance(robot, [one, two], over)))
+    for words in ("980.0 N on 200 mm", "1496 N on 200 mm", "5880 N on 200 mm", "2.25 deg", "10 kg at link2"):
+        assert words in table
+    line = eq.Spring("s", eq.Line(eq.Point("world", (0, 0, 1.0)), eq.Point("link1", (0.5, 0, 0))), eq.ZeroFreeLength())
+    assert adjustments(eq.balance(robot, [line], over)) == ""

@@ -67,6 +67,22 @@ _HOME = {
     "Aim": "objective",
     "Design": "design",
     "chain": "models.chain",
+    "DrumWithTorsion": "make",
+    "CamWithSpring": "make",
+    "ConstantForceCam": "make",
+    "law_curve": "make",
+    "arm_curve": "make",
+    "make_part": "make",
+    "make_spring": "make",
+    "arm_cam": "make",
+    "wrench_matrix": "cables",
+    "closure": "cables",
+    "feasible": "cables",
+    "sag_tension": "cables",
+    "distribute": "cables",
+    "clearance": "cables",
+    "stiffness": "cables",
+    "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
@@ -104,15 +120,18 @@ __all__ = [
     "Block",
     "Cable",
     "Cam",
+    "CamWithSpring",
     "Claim",
     "Coil",
     "Constant",
+    "ConstantForceCam",
     "Convex",
     "Counterweight",
     "Curvature",
     "Design",
     "DisagreementError",
     "Drum",
+    "DrumWithTorsion",
     "EquipoiseError",
     "ExactAt",
     "Force",
@@ -156,27 +175,40 @@ __all__ = [
     "ZeroFreeLength",
     "__version__",
     "analyze",
+    "arm_cam",
+    "arm_curve",
     "balance",
     "cable_platform",
     "caspr",
     "chain",
+    "clearance",
+    "closure",
+    "distribute",
+    "equilibria",
     "exact_mean",
     "exact_rate",
     "exact_rate_zero_free_length",
+    "feasible",
     "four_bar",
     "gas_cylinder",
     "geometry_map",
     "human_leg",
     "iterated_rates",
+    "law_curve",
     "load_problem",
+    "make_part",
+    "make_spring",
     "parallelogram_arm",
     "parallelogram_robot",
     "payload_rule",
     "report",
     "reproduce",
+    "sag_tension",
     "shape",
     "slider_crank",
+    "stiffness",
     "verify",
+    "wrench_matrix",
 ]
 
 
@@ -228,6 +260,16 @@ if TYPE_CHECKING:
     )
     from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.spring import Spring
+    from equipoise.cables import (
+        clearance,
+        closure,
+        distribute,
+        equilibria,
+        feasible,
+        sag_tension,
+        stiffness,
+        wrench_matrix,
+    )
     from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (
@@ -240,6 +282,16 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
+    from equipoise.make import (
+        CamWithSpring,
+        ConstantForceCam,
+        DrumWithTorsion,
+        arm_cam,
+        arm_curve,
+        law_curve,
+        make_part,
+        make_spring,
+    )
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr

@@ -15,7 +15,7 @@ from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.places import REMEDY, problem_error, where
 from equipoise.sweep import Sweep
-from equipoise.tags import BALANCER, LIMIT, MECHANISM, SWEEP
+from equipoise.tags import BALANCER, LIMIT, MAKE, MECHANISM, SWEEP
 from equipoise.units import Measured, to_si
 from equipoise.yamlfile import Document, read_yaml
 
@@ -33,7 +33,8 @@ class ProblemFile:
     """A problem: what moves, over which poses, what is added, what may change shape, what must hold, what counts.
 
     mechanism is a robot file `{model: path}` or a builder; sweep the poses that matter (default: 2048 Sobol
-    poses over the joint limits); shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`.
+    poses over the joint limits); shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; make
+    lists cams and drums that `equipoise make` cuts.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -45,6 +46,7 @@ class ProblemFile:
     search: Search = field(default_factory=Search)
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
+    make: tuple[Annotated[Any, MAKE], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

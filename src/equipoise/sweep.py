@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise import workspace
 from equipoise.affine import Array
@@ -53,7 +54,8 @@ class Sweep:
     poses (N, nd) rad or m; weight (N,) non-negative, a pose of weight 0 counts for peaks only; box (nd, 2)
     the region that the poses stand for, or None for a bare list; payloads K points and scenarios (S, K) kg;
     label says in words what was swept; sampled poses may be refined between the samples; finer makes the same
-    region with a finer quadrature, whose difference is the error of this one.
+    region with a finer quadrature, whose difference is the error of this one; outline is the polygon
+    (joint numbers, corners (V, 2)) that two joints stay in.
     """
 
     poses: Array
@@ -64,6 +66,7 @@ class Sweep:
     payloads: tuple[Payload, ...] = ()
     scenarios: Array = None  # type: ignore[assignment]
     finer: Callable[[], Sweep] | None = None
+    outline: tuple[tuple[int, int], Array] | None = None
 
     def __post_init__(self) -> None:
         if self.scenarios is None:
@@ -155,9 +158,11 @@ class Sweep:
             more = points + 4
             return Sweep.polygon(mechanism, corners, points=more, joints=joints, axes=axes, payload=payload)
 
-        return _region(
+        sweep = _region(
             mechanism, names, vertices, rule=rule, edge=edge, axes=axes or {}, payload=payload, label=label, finer=finer
         )
+        first, second = (mechanism.driven.index(name) for name in names)
+        return replace(sweep, outline=((first, second), vertices))
 
     @staticmethod
     def triangle(
@@ -236,6 +241,17 @@ class Sweep:
             raise InputError("pose weights must be non-negative, one per pose, and not all zero", where="sweep.poses")
         return _with_payload(mechanism, Sweep(table, weights, label), payload)
 
+    def holds(self, poses: Array) -> NDArray[np.bool_]:
+        """Which poses (M, nd) lie in the region: the sweep's outline and the box of its poses, rims included."""
+        low, high = self.poses.min(axis=0), self.poses.max(axis=0)
+        slack = 1e-9 * np.maximum(1.0, high - low)
+        if self.outline is None:
+            return ((poses >= low - slack) & (poses <= high + slack)).all(axis=1)
+        joints, corners = self.outline
+        others = [index for index in range(poses.shape[1]) if index not in joints]
+        fine = ((poses >= low - slack) & (poses <= high + slack))[:, others].all(axis=1)
+        return fine & workspace.contains(corners, poses[:, list(joints)])
+
     def extended(self, poses: Array) -> Sweep:
         """The sweep with further poses that count for peaks only."""
         weight = np.concatenate([self.weight, np.zeros(len(poses))])
@@ -243,7 +259,7 @@ class Sweep:
 
     def at_poses(self, poses: Array) -> Sweep:
         """The same payload scenarios at other poses, equal weights."""
-        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None, finer=None)
+        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None, finer=None, outline=None)
 
     def rows(self) -> tuple[Array, Array, Array]:
         """Driven positions (S N, nd), weights (S N,) and payload masses (S N, K), scenario by scenario."""

@@ -41,6 +41,7 @@ from equipoise.balancers.paths import (
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
 from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
+from equipoise.make.requests import MakeArmCam, MakeCam, MakeConstantForceCam, MakeDrum
 from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
@@ -116,6 +117,14 @@ LIMITS: dict[str, Callable[..., Any]] = {
 }
 
 
+MAKES: dict[str, Callable[..., Any]] = {
+    "drum": MakeDrum,
+    "cam": MakeCam,
+    "constant_force_cam": MakeConstantForceCam,
+    "arm_cam": MakeArmCam,
+}
+
+
 def _members(table: Mapping[str, Callable[..., Any]]) -> Callable[[], Mapping[str, Callable[..., Any]]]:
     return lambda: table
 
@@ -135,6 +144,7 @@ TURN = Family("angle", _members(TURNS))
 PROFILE = Family("profile", _members(PROFILES))
 PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
+MAKE = Family("part to make", _members(MAKES))
 EXPONENT = Family("exponent", _members(EXPONENTS))
 
 

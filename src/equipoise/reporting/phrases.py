@@ -252,7 +252,8 @@ def certificate_words(design: Design) -> str:
         optima = "1 optimum" if c.optima == 1 else f"{c.optima} different optima"
         apart = f", values up to {sig(shown(c.spread, c.unit)[0], 3)} {unit} apart" if c.optima > 1 else ""
         words += f"; geometry: local, {c.starts} start{'s' * (c.starts != 1)}, {optima}{apart}"
-    return "; ".join([words, *c.flat])
+    rule = [f"quadrature good to {sig(c.quadrature, 1)} of the value"] if c.quadrature is not None else []
+    return "; ".join([words, *rule, *c.flat])
 
 
 def next_steps(design: Design) -> list[str]:

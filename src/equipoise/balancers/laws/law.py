@@ -143,6 +143,6 @@ class Law:
 
     def parameter_units(self, along: str = "m") -> dict[str, str]:
         """SI units of everything that `parameters` may name, on a path in m or rad."""
-        units = unit_marks(type(self))
+        units = {field.name: "" for field in fields(self)} | unit_marks(type(self))
         units |= {share.parameter: share.unit for share in self.shares(np.ones(1))}
         return {name: along_path(unit, along) for name, unit in units.items()}
