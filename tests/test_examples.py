@@ -125,6 +125,28 @@ def test_leg_orthosis(table, total, arm, tmp_path):
     assert verify(design, poses=500).verification.agrees
 
 
+def test_crank_slider():
+    """The peak by plain trigonometry, and no neighbour of the design does better."""
+    design = run("crank_slider")
+    names = ("s.path.crank", "s.path.rod", "s.path.phase")
+    best = np.array([design.geometry[name] for name in names])
+    phi = np.radians(np.arange(30, 151))
+
+    def peak(x):
+        u = phi + x[2]
+        along = np.sqrt(x[1] ** 2 - (x[0] * np.sin(u)) ** 2)
+        slope = -x[0] * np.sin(u) * (1 + x[0] * np.cos(u) / along)
+        push = 1000 * (x[0] * np.cos(u) + along - 1.0) + 0.45 * G
+        return np.abs(7.6453 * G * 0.84 * np.sin(phi) - push * slope).max()
+
+    assert design.before["arm_joint"].peak == pytest.approx(63.0, abs=1e-3)
+    assert design.after["arm_joint"].sample_peak == pytest.approx(peak(best), rel=1e-9)
+    assert peak(best) < 1.45
+    steps = np.random.default_rng(3).normal(size=(500, 3)) * (1e-3, 1e-3, 2e-2)
+    assert peak(best) <= min(peak(best + step * share) for step in steps for share in (1.0, 0.1)) + 1e-7
+    assert verify(design, poses=500).verification.agrees
+
+
 def test_quaglia_arm():
     design = run("quaglia_arm")
     g, radius = 9.8, 0.2

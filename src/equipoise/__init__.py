@@ -48,6 +48,18 @@ _HOME = {
     "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "PointMass": "balancers.shapes",
+    "Disc": "balancers.shapes",
+    "Plate": "balancers.shapes",
+    "Solid": "balancers.shapes",
+    "CounterRotor": "balancers.counter_rotor",
+    "Flywheel": "balancers.flywheel",
+    "FlywheelLaw": "balancers.flywheel",
+    "Motion": "motion.motion",
+    "Expression": "motion.drivers",
+    "Cycloidal": "motion.drivers",
+    "TimePolynomial": "motion.drivers",
+    "TimeSpline": "motion.drivers",
     "exact_rate": "balancers.heavy",
     "exact_rate_zero_free_length": "balancers.heavy",
     "iterated_rates": "balancers.heavy",
@@ -126,14 +138,20 @@ __all__ = [
     "Constant",
     "ConstantForceCam",
     "Convex",
+    "CounterRotor",
     "Counterweight",
     "Curvature",
+    "Cycloidal",
     "Design",
     "DisagreementError",
+    "Disc",
     "Drum",
     "DrumWithTorsion",
     "EquipoiseError",
     "ExactAt",
+    "Expression",
+    "Flywheel",
+    "FlywheelLaw",
     "Force",
     "Gas",
     "Gear",
@@ -149,11 +167,14 @@ __all__ = [
     "MassCap",
     "Mechanism",
     "ModelError",
+    "Motion",
     "Mount",
     "Nitrogen",
     "Payload",
+    "Plate",
     "Platform",
     "Point",
+    "PointMass",
     "Polynomial",
     "Problem",
     "ProblemError",
@@ -164,11 +185,14 @@ __all__ = [
     "Slack",
     "SliderCrank",
     "Slope",
+    "Solid",
     "Spring",
     "States",
     "Stiffness",
     "Stroke",
     "Sweep",
+    "TimePolynomial",
+    "TimeSpline",
     "Torsion",
     "Unknown",
     "WireMass",
@@ -226,7 +250,9 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
+    from equipoise.balancers.counter_rotor import CounterRotor
     from equipoise.balancers.counterweight import Counterweight
+    from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
     from equipoise.balancers.laws import (
         BSpline,
@@ -259,6 +285,7 @@ if TYPE_CHECKING:
         SliderCrank,
     )
     from equipoise.balancers.payload import Adjustment, payload_rule
+    from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
     from equipoise.balancers.spring import Spring
     from equipoise.cables import (
         clearance,
@@ -301,6 +328,8 @@ if TYPE_CHECKING:
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank
+    from equipoise.motion.drivers import Cycloidal, Expression, TimePolynomial, TimeSpline
+    from equipoise.motion.motion import Motion
     from equipoise.objective import Aim
     from equipoise.problem import Problem, load_problem
     from equipoise.states import States

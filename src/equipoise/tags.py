@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.laws import (
     BSpline,
     Coil,
@@ -38,6 +40,7 @@ from equipoise.balancers.paths import (
     SliderCrank,
     Turn,
 )
+from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
 from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
@@ -51,6 +54,7 @@ from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
+from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -73,8 +77,15 @@ SWEEPS: dict[str, Callable[..., Any]] = {
     "polygon": Sweep.polygon,
     "box": Sweep.region,
     "poses": Sweep.of_poses,
+    "motion": Sweep.motion,
+    "any_motion": Sweep.any_motion,
 }
-BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
+BALANCERS: dict[str, Callable[..., Any]] = {
+    "spring": Spring,
+    "counterweight": Counterweight,
+    "counter_rotor": CounterRotor,
+    "flywheel": Flywheel,
+}
 TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
 PATHS: dict[str, Callable[..., Any]] = {
     "line": Line,
@@ -103,6 +114,13 @@ LAWS: dict[str, Callable[..., Any]] = {
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
+SHAPES: dict[str, Callable[..., Any]] = {"point": PointMass, "disc": Disc, "plate": Plate, "solid": Solid}
+DRIVERS: dict[str, Callable[..., Any]] = {
+    "expression": Expression,
+    "cycloidal": Cycloidal,
+    "polynomial": TimePolynomial,
+    "spline": TimeSpline,
+}
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
     "force": Force,
@@ -144,6 +162,8 @@ TURN = Family("angle", _members(TURNS))
 PROFILE = Family("profile", _members(PROFILES))
 PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
+SHAPE = Family("shape", _members(SHAPES))
+DRIVER = Family("driver", _members(DRIVERS))
 MAKE = Family("part to make", _members(MAKES))
 EXPONENT = Family("exponent", _members(EXPONENTS))
 
@@ -159,6 +179,8 @@ def family_of(hint: Any) -> Family | Form | None:
         (PROFILE, PROFILES),
         (PULLEY, PULLEYS),
         (MASS, MASSES),
+        (SHAPE, SHAPES),
+        (DRIVER, {"any": Driver, **DRIVERS}),
         (EXPONENT, EXPONENTS),
     ):
         if isinstance(hint, type) and hint in table.values():

@@ -30,6 +30,9 @@ Inertia = Annotated[float, Quantity("kg m^2")]
 Acceleration = Annotated[float, Quantity("m/s^2")]
 Pressure = Annotated[float, Quantity("Pa")]
 Density = Annotated[float, Quantity("kg/m^3")]
+Speed = Annotated[float, Quantity("rad/s")]
+Power = Annotated[float, Quantity("W")]
+Time = Annotated[float, Quantity("s")]
 Area = Annotated[float, Quantity("m^2")]
 Volume = Annotated[float, Quantity("m^3")]
 Temperature = Annotated[float, Quantity("K")]
@@ -40,7 +43,7 @@ Pull = Annotated[float, Quantity("N or N m")]
 Rate = Annotated[float, Quantity("N/m or N m/rad")]
 Bend = Annotated[float, Quantity("N/m^2 or N m/rad^2")]
 Joint = Annotated[float, Quantity("rad or m")]
-Effort = Annotated[float, Quantity("N m or N or ratio")]
+Effort = Annotated[float, Quantity("N m or N or kg or ratio")]
 
 
 class Measured(float):

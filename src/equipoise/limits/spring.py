@@ -16,6 +16,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.limits import curve
 from equipoise.limits.limit import Setting
+from equipoise.limits.realisable import room
 from equipoise.limits.sides import path_unit, scale_of, sides
 from equipoise.solve.program import Rows
 
@@ -131,7 +132,7 @@ class Stiffness:
 
 @dataclass(frozen=True)
 class MassCap:
-    """m <= max of a counterweight's mass, kg; a free place also stays within its reach."""
+    """m <= max of a counterweight's mass, kg; a free place also stays within its reach. For all masses: goal `mass`."""
 
     counterweight: str
     max: units.Mass
@@ -150,8 +151,8 @@ def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tu
     for balancer in balancers:
         if isinstance(balancer, Spring):
             rows += _span(balancer, setting)
-        elif balancer.reach is not None:
-            rows += _reach(balancer)
+        elif isinstance(balancer, Counterweight) and balancer.reach is not None:
+            rows += room(balancer) if balancer.second else _reach(balancer)
     return tuple(rows)
 
 

@@ -71,7 +71,7 @@ def result(design: Design) -> str:
 
 def main_joint(design: Design) -> str:
     """The counted joint that gains most, as a share of what it may supply or of the largest load."""
-    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    counted = {row for aim in design.objective for row in aim.counted(design.mechanism)}
     norm = design.norm
     by_motor = any(aim.divisor for aim in design.objective)
 

@@ -25,7 +25,7 @@ PERCENT = (
 def before_after(design: Design) -> Raw:
     """The table of all joints that carry a load."""
     matter = sort_out(design.before, design.after)[0]
-    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    counted = {row for aim in design.objective for row in aim.counted(design.mechanism)}
     rows = []
     for joint in matter:
         before, after = design.before[joint], design.after[joint]

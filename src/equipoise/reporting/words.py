@@ -80,7 +80,7 @@ def _advice(analysis: Analysis) -> str:
 
 def _rows(design: Design) -> list[str]:
     matter = sort_out(design.before, design.after)[0]
-    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    counted = {row for aim in design.objective for row in aim.counted(design.mechanism)}
     body = []
     for joint in matter:
         before, after = design.before[joint], design.after[joint]

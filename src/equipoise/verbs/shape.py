@@ -110,16 +110,13 @@ def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, floa
 
 def load_of(task: Task, states: States) -> float:
     """The objective of the bare mechanism, which makes tolerances and penalties relative."""
-    load = sum(
-        term.factor * term.value(np.zeros(0))
-        for term in (
-            aim.term(task.mechanism, effort(task.mechanism, (), states, aim.goal), states.weight)
-            for aim in task.objective
-        )
-        if term.cap is None
-    )
+    load = 0.0
+    for aim in task.objective:
+        bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
+        if aim.cap is None and np.any(bare.b):
+            load += aim.weight * aim.term(task.mechanism, bare, states.weight, bare).value(np.zeros(0))
     if not load > 0:
-        raise InputError("gravity loads none of the joints that count", where="objective", hint="check gravity, joints")
+        raise InputError("nothing loads what counts", where="objective", hint="check gravity, joints")
     return load
 
 
@@ -188,7 +185,7 @@ def _thinned(sweep: Sweep, states: States) -> Sweep:
     loads = np.abs(states.holding).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
     heavy = np.argsort(-loads, axis=0)[: max(1, COARSE // 4 // loads.shape[1])].ravel()
     keep = np.union1d(even, heavy)
-    return replace(sweep, poses=sweep.poses[keep], weight=np.maximum(sweep.weight[keep], 1e-300))
+    return sweep.thinned(keep)
 
 
 def _present(search: _Search) -> Array | None:

@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from equipoise.affine import Array
 from equipoise.balancers.paths.mount import Mount
 from equipoise.errors import InputError
 from equipoise.mechanism import Point, compile_spec
@@ -87,11 +88,23 @@ def weigh(body: Any, value: float) -> None:
     body.explicitinertial = True
 
 
-def add_point_mass(spec: mujoco.MjSpec, name: str, body: str, at: Any, value: float) -> None:
-    """Add a point mass as a body welded at a point of another; none for zero mass or the world."""
+def add_point_mass(
+    spec: mujoco.MjSpec, name: str, body: str, at: Any, value: float, inertia: Array | None = None
+) -> None:
+    """Add a mass as a body welded at a point of another; none for zero mass or the world.
+
+    inertia (3, 3) is that about the point along the carrier's axes, kg m^2, None for a point mass.
+    """
     if value == 0.0 or body == "world":
         return
-    weigh(spec.body(body).add_body(name=name, pos=[float(v) for v in at]), value)
+    added = spec.body(body).add_body(name=name, pos=[float(v) for v in at])
+    weigh(added, value)
+    if inertia is not None and np.abs(inertia).max() > 0:
+        values, axes = np.linalg.eigh(inertia)
+        axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+        quat = np.empty(4)
+        mujoco.mju_mat2Quat(quat, axes.ravel())
+        added.inertia, added.iquat = np.maximum(values, 0.0).tolist(), quat.tolist()
 
 
 def positive_length(value: Any, what: str, name: str) -> None:
