@@ -21,6 +21,7 @@ _HOME = {
     "Block": "affine",
     "Unknown": "affine",
     "Spring": "balancers.spring",
+    "Prescribed": "balancers.synthesis",
     "Line": "balancers.paths",
     "Cable": "balancers.paths",
     "Pulley": "balancers.paths",
@@ -176,6 +177,7 @@ __all__ = [
     "Point",
     "PointMass",
     "Polynomial",
+    "Prescribed",
     "Problem",
     "ProblemError",
     "Profile",
@@ -287,6 +289,7 @@ if TYPE_CHECKING:
     from equipoise.balancers.payload import Adjustment, payload_rule
     from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
     from equipoise.balancers.spring import Spring
+    from equipoise.balancers.synthesis import Prescribed
     from equipoise.cables import (
         clearance,
         closure,

@@ -15,6 +15,7 @@ from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
 from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
+from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim, pole_of
@@ -76,7 +77,7 @@ class Certificate:
     spread: float = 0.0
     stationarity: float = 0.0
     active: tuple[Active, ...] = ()
-    floors: tuple[str, ...] = ()
+    floors: tuple[Floor, ...] = ()
     flat: tuple[str, ...] = ()
     quadrature: float | None = None
 
@@ -210,7 +211,7 @@ class Design:
                 "spread": certificate.spread,
                 "stationarity": certificate.stationarity,
                 "active": [vars(active) for active in certificate.active],
-                "floors": certificate.floors,
+                "floors": [vars(floor) for floor in certificate.floors],
                 "flat": certificate.flat,
                 "quadrature": certificate.quadrature,
             },

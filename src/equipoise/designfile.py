@@ -15,6 +15,7 @@ from equipoise.affine import merge_unknowns
 from equipoise.assemble import Balancer, account
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import ProblemError
+from equipoise.floors import Floor
 from equipoise.parameters import unit_of, write
 from equipoise.problem import Problem, problem_of
 from equipoise.verbs.analyze import Account, table
@@ -116,8 +117,8 @@ def _certificate(found: Any, name: str) -> Certificate:
     try:
         kept = {key: value for key, value in found.items() if key in known}
         kept["active"] = tuple(Active(**entry) for entry in kept.get("active", ()))
-        for key in ("floors", "flat"):
-            kept[key] = tuple(kept.get(key, ()))
+        kept["floors"] = tuple(Floor(**entry) for entry in kept.get("floors", ()))
+        kept["flat"] = tuple(kept.get("flat", ()))
         return Certificate(**kept)
     except (AttributeError, TypeError):
         raise ProblemError("the certificate is missing or incomplete", where=f"{name}, certificate") from None

@@ -42,6 +42,7 @@ from equipoise.balancers.paths import (
 )
 from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
 from equipoise.balancers.spring import Spring
+from equipoise.balancers.synthesis import Prescribed
 from equipoise.forms import Family, Form
 from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
 from equipoise.make.requests import MakeArmCam, MakeCam, MakeConstantForceCam, MakeDrum
@@ -99,6 +100,7 @@ PATHS: dict[str, Callable[..., Any]] = {
     "reel": Reel,
 }
 PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
+STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
@@ -160,6 +162,7 @@ PATH = Family("path", _members(PATHS))
 LAW = Family("law", _members(LAWS))
 TURN = Family("angle", _members(TURNS))
 PROFILE = Family("profile", _members(PROFILES))
+START = Family("start", _members(STARTS))
 PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
 SHAPE = Family("shape", _members(SHAPES))

@@ -222,12 +222,18 @@ def limit_words(limit: str) -> str:
 
 
 def floor_words(design: Design) -> list[str]:
-    """Joints whose own load holds the objective up although no part reaches them."""
+    """What holds the objective up although no part can lower it."""
     words = []
-    for joint in design.certificate.floors:
-        row = design.after[joint]
+    for floor in design.certificate.floors:
+        row = design.after[floor.row]
         kind = "torque" if row.unit == "N m" else "force"
-        words.append(f"{joint}'s own {kind} ({sig(row.peak)} {row.unit}), which no added part reaches")
+        size = f"{sig(row.peak)} {row.unit}"
+        if floor.cause == "own":
+            words.append(f"{floor.row}'s own {kind} ({size}), which no added part reaches")
+        else:
+            words.append(
+                f"the payload: half of what it changes at {floor.row} ({size}), which no fixed design can beat"
+            )
     return words
 
 
@@ -274,8 +280,8 @@ def next_steps(design: Design) -> list[str]:
     steps = []
     if design.missed:
         steps.append("relax the target, free more geometry, or add a part")
-    if c.floors:
-        acting = " and ".join(c.floors)
+    if own := [floor.row for floor in c.floors if floor.cause == "own"]:
+        acting = " and ".join(own)
         steps.append(f"add a spring with {acting} between its ends: the rest cannot fall before that does")
     bounds = [active.limit for active in c.active if active.limit.split(" ")[0] in design.geometry]
     if bounds:

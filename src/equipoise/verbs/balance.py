@@ -12,6 +12,7 @@ from equipoise.assemble import Balancer, account, build, check, effort, thrift
 from equipoise.balancers.spring import Spring
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
+from equipoise.floors import floors
 from equipoise.limits import Limit, curve
 from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
@@ -25,7 +26,6 @@ from equipoise.sweep import Sweep
 from equipoise.verbs.analyze import table, worst
 
 EXACT = 1e-9
-FLOOR = 1e-6
 ROUNDS = 12
 BETWEEN = 1e-7
 CUTS = 60
@@ -124,7 +124,7 @@ def settle(task: Task) -> Balanced:
 def tightened(task: Task, program: Program) -> tuple[Program, Solution]:
     """Solve, and add the worst lengths of limits over intervals, until every length keeps them."""
     springs = {balancer.name: balancer for balancer in task.balancers if isinstance(balancer, Spring)}
-    curves = [limit for limit in task.limits if getattr(limit, "over", None) and limit.samples is None]
+    curves = [limit for limit in task.limits if isinstance(limit, curve.Curve) and limit.over and limit.samples is None]
     for _ in range(CUTS):
         solution = solve(program)
         values = {u.name: float(v) for u, v in zip(program.unknowns, solution.theta, strict=True)}
@@ -271,6 +271,7 @@ def certify(balanced: Balanced) -> Certificate:
     """The certificate of a fixed geometry: `exact` where nothing is left, also off the grid, else `convex`."""
     task, program, solution = balanced.task, balanced.program, balanced.solution
     unit = unit_of(task)
+    first = next(aim for aim in task.objective if aim.cap is None)
     primal = program.objective(solution.theta)
     return Certificate(
         kind="exact" if is_exact(balanced) else "convex",
@@ -279,7 +280,9 @@ def certify(balanced: Balanced) -> Certificate:
         unit=unit,
         violation=max(0.0, program.violation(solution.theta)),
         active=active_limits(program, solution, unit),
-        floors=floors(program, balanced, np.abs(solution.theta)),
+        floors=floors(
+            program, solution.theta, np.abs(solution.theta), first.counted(task.mechanism), len(task.sweep.scenarios)
+        ),
         flat=tuple(_direction(vector, program) for vector in solution.flat),
         quadrature=quadrature_error(balanced),
     )
@@ -344,24 +347,6 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
             found.append((size, Active(f"{unknown.name} {side} {value:g}", float(price), f"{unit} per {unknown.unit}")))
     worth = 1e-6 * max(solution.objective, 1e-300)
     return tuple(active for size, active in sorted(found, key=lambda pair: -pair[0]) if size > worth)
-
-
-def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...]:
-    """Joints whose torque is the peak, although nothing that may change, by `sizes` (P,), reaches them."""
-    term = next(term for term in program.terms if term.cap is None)
-    mine = next(term for term in balanced.program.terms if term.cap is None)
-    aim = next(aim for aim in balanced.task.objective if aim.cap is None)
-    load = max(balanced.program.loads)
-    if term.norm != "peak" or balanced.solution.objective <= EXACT * load:
-        return ()
-    rows = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
-    reach = np.maximum.reduceat(rows, np.cumsum((0, *term.sizes[:-1])))
-    joints = aim.counted(balanced.task.mechanism)
-    largest = mine.magnitudes(mine.residual(balanced.solution.theta)).max(axis=0)
-    held = largest >= balanced.solution.objective * (1 - FLOOR)
-    return tuple(
-        joint for joint, high, moved in zip(joints, held, reach, strict=True) if high and moved <= EXACT * load
-    )
 
 
 def _direction(vector: Array, program: Program) -> str:

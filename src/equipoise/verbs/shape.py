@@ -11,6 +11,7 @@ from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, effort, thrift
 from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
+from equipoise.floors import floors
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
@@ -21,7 +22,7 @@ from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, distin
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
-from equipoise.verbs.balance import Balanced, Task, certify, finish, floors, settle, task_of
+from equipoise.verbs.balance import Balanced, Task, certify, finish, settle, task_of
 
 COARSE = 400
 PER_START = 24
@@ -256,7 +257,13 @@ def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:
         spread=float(max(merits) - min(merits)),
         stationarity=best.stationarity,
         active=tuple(bound) + inner.active,
-        floors=floors(wide, balanced, sizes),
+        floors=floors(
+            wide,
+            np.append(theta, np.zeros(len(search.freedoms))),
+            sizes,
+            aim.counted(task.mechanism),
+            len(task.sweep.scenarios),
+        ),
         flat=inner.flat + _flat(search, wide, balanced, best),
     )
     geometry = {f.name: float(value) for f, value in zip(search.freedoms, best.gamma, strict=True)}

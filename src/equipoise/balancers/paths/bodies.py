@@ -109,6 +109,12 @@ def add_point_mass(
 
 def positive_length(value: Any, what: str, name: str) -> None:
     """Raise InputError for a length of a path that is not above zero."""
+    if value is None:
+        raise InputError(
+            f"{what} of spring {name} is open",
+            where=f"spring {name}",
+            hint=f"give it, free it in `shape` as {name}.path.{what}, or derive it by `start`",
+        )
     if np.ndim(value) == 0 and not np.real(value) > 0:
         raise InputError(f"{what} of spring {name} is {value:g} m, it must be above 0", where=f"spring {name}")
 
