@@ -132,7 +132,7 @@ PLANAR = {
     "cable_pulley": lambda m: eq.Cable(
         (eq.Point("world", (-0.5, 0.0, 0.2)), eq.Pulley("world", (-0.2, 0.0, 1.1), 0.05, side="right"),
          eq.Pulley("world", (-0.1, 0.0, 1.1)), eq.Point(bodies(m)[0], (0.05, 0.0, 0.3)),
-         eq.Pulley(bodies(m)[0], (0.3, 0.0, 0.3), 0.04, side="right", nominal=0.0, mass=0.2),
+         eq.Pulley(bodies(m)[0], (0.3, 0.0, 0.3), 0.04, side="right", mass=0.2),
          eq.Point(bodies(m)[1], (0.3, 0, 0.0))),
         ratio=0.5, offset=-0.1,
     ),
