@@ -17,7 +17,9 @@ CONTENT = {
     "mechanism": {
         "chain": {
             "datum": "up",
-            "links": [{"name": "link", "length": 0.84, "mass": 75 / 9.81, "com": 0.84, "limits": ["30 deg", "150 deg"]}],
+            "links": [
+                {"name": "link", "length": 0.84, "mass": 75 / 9.81, "com": 0.84, "limits": ["30 deg", "150 deg"]}
+            ],
         }
     },
     "sweep": {"grid": {"link_joint": ["30 deg", "150 deg", 121]}},
@@ -68,7 +70,9 @@ def test_the_best_energies_give_the_papers_lengths():
     many = [f"{angle} deg" for angle in range(30, 151)]
     assert dyad(at=many) == pytest.approx((0.124462, 0.501779, 0.0786300), abs=6e-7)
     assert dyad(at=many, energy=222.888) == pytest.approx((0.111814, 0.444270, 2.23392), abs=6e-6)
-    assert dyad(at=["30 deg", "60 deg", "120 deg"], energy=184) == pytest.approx((0.130891, 0.530586, -3.0515), abs=6e-5)
+    assert dyad(at=["30 deg", "60 deg", "120 deg"], energy=184) == pytest.approx(
+        (0.130891, 0.530586, -3.0515), abs=6e-5
+    )
 
 
 def test_shape_starts_there_and_finds_the_free_optimum():
@@ -131,7 +135,9 @@ def test_paths_read_in_short_and_in_full():
         {"name": "b", "path": {"angle": "upper_joint"}, "law": "linear"},
         {
             "name": "c",
-            "path": {"scotch_yoke": {"input": {"gear": {"input": {"absolute": "fore"}, "ratio": -2}}, "radius": "5 cm"}},
+            "path": {
+                "scotch_yoke": {"input": {"gear": {"input": {"absolute": "fore"}, "ratio": -2}}, "radius": "5 cm"}
+            },
             "law": "constant",
         },
         {
@@ -153,7 +159,9 @@ def test_paths_read_in_short_and_in_full():
             "path": {
                 "cam": {
                     "input": {"angle": "upper_joint"},
-                    "profile": {"table": {"angles": ["-3 rad", -1, 1, 3], "lifts": ["1 mm", 0, 0, 0.001], "kind": "free"}},
+                    "profile": {
+                        "table": {"angles": ["-3 rad", -1, 1, 3], "lifts": ["1 mm", 0, 0, 0.001], "kind": "free"}
+                    },
                 }
             },
             "law": "linear",
@@ -161,7 +169,9 @@ def test_paths_read_in_short_and_in_full():
         {"name": "f", "path": {"drum": {"input": {"angle": "fore_joint"}, "radius": "4 cm"}}, "law": "linear"},
     ]
     content = {
-        "mechanism": {"chain": {"links": [{"name": "upper", "length": 0.5, "mass": 2}, {"name": "fore", "length": 0.4}]}},
+        "mechanism": {
+            "chain": {"links": [{"name": "upper", "length": 0.5, "mass": 2}, {"name": "fore", "length": 0.4}]}
+        },
         "sweep": {"grid": {"upper_joint": ["10 deg", "100 deg", 5], "fore_joint": ["-40 deg", "40 deg", 5]}},
         "balancers": [{"spring": spring} for spring in springs],
     }
