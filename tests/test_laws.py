@@ -145,6 +145,9 @@ WEIGHTS = {
     "free": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), reach=0.2),
     "given_mass_free_place": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), mass=2.0, reach=0.2),
     "given": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[0], (-0.1, 0.0, 0.0)), mass=1.3),
+    "disc": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1], (-0.1, 0.02, 0.03)), shape=eq.Disc(0.05)),
+    "solid": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1], (0.05, 0.0, 0.0)), reach=0.1, shape=eq.Solid()),
+    "flywheel": lambda m: eq.Flywheel("b", inertia=0.1),
 }
 BALANCERS = {
     f"{path}-{law}-{mass}": (lambda m, p=p, w=w, k=k: eq.Spring("b", p(m), w, mass=k))
@@ -210,7 +213,7 @@ def test_efforts_add_up_and_units_agree(posed, mechanism, balancer):
     theta = np.linspace(1.0, 2.0, len(part.unknowns))
     np.testing.assert_allclose(total.at(theta), states.holding + alone.at(theta), atol=1e-10)
     assert [block.unit for block in alone.blocks] == list(mech.driven_units)
-    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "N m/rad", "N m", "kg", "kg m", "Pa"}
+    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "N m/rad", "N m", "kg", "kg m", "kg m^2", "Pa"}
     assert part.effort(states, "storage").blocks[0].unit == "J"
 
 
@@ -351,3 +354,54 @@ def test_closed_coils_and_reach_are_implied(posed):
     setting = Setting({"c": coil, "w": weight}, states, lambda poses: effort(mech, [coil, weight], states))
     words = [rows.limit for rows in implied([coil, weight], setting)]
     assert words == ["closed length of c (0.2 m)", "reach of w (0.1 m)"]
+
+
+MOVING = WEIGHTS | {
+    "heavy_spring": lambda m: eq.Spring("b", PATHS["between"](m), eq.Coil(free_length=0.1), mass=1.7),
+}
+ROTORS = {
+    "rotor": lambda m: eq.CounterRotor("b", bodies(m)[1], ratio=1.5),
+    "planetary": lambda m: eq.CounterRotor("b", bodies(m)[1], gear_inertia=0.01, at=eq.Point(bodies(m)[0]), radius=0.1),
+    "belt": lambda m: eq.CounterRotor("b", bodies(m)[1], ratio=-2.0, inertia=0.02, mass=0.3),
+    "plate": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), reach=0.1, shape=eq.Plate()),
+}
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "balancer"),
+    [(m, b) for m in MECHANISMS for b in MOVING if "place" not in b and b != "free"]
+    + [(m, b) for m in ("planar", "linkage") for b in ROTORS],
+    ids=lambda name: name,
+)
+def test_power_is_the_rate_of_energy_and_wrenches_are_rates_of_momentum(mechanism, balancer):
+    """tau . v = d(T + V)/dt, F = dp/dt, M = dL/dt along a motion, for every unknown by itself."""
+    from scipy.interpolate import make_interp_spline
+
+    mech = MECHANISMS[mechanism]()
+    part = (MOVING | ROTORS)[balancer](mech)
+    part.check(mech)
+    box = np.where(np.isnan(mech.box), [-0.5, 0.5], mech.box).clip(-1.0, 1.0)
+    middle, span = box.mean(axis=1), 0.3 * (box[:, 1] - box[:, 0])
+    drivers = {
+        joint: f"{middle[i]} + {span[i]}*sin({3 + i}*t + {i})" for i, joint in enumerate(mech.driven)
+    }  # fmt: skip
+    sweep = eq.Sweep.motion(mech, drivers, duration=1.0, samples=801)
+    states, time = mech.states(sweep), sweep.instants.time
+    theta = np.linspace(1.0, 2.0, len(part.unknowns))
+
+    def answer(at, goal):
+        return part.effort(at, goal).at(theta)
+
+    def rate(values):
+        return make_interp_spline(time, values, k=5)(time, 1)[20:-20]
+
+    drive = answer(states, "drive")
+    power = (drive * states.rates.driven_velocity).sum(axis=1)
+    # twice the kinetic energy is the inertial effort that velocities in the place of accelerations would give
+    inertial = answer(states.momenta, "drive") - answer(states, "hold")
+    kinetic = 0.5 * (inertial * states.rates.driven_velocity).sum(axis=1)
+    energy = rate(kinetic + answer(states, "energy")[:, 0])
+    np.testing.assert_allclose(power[20:-20], energy, atol=2e-6 * max(1.0, np.abs(power).max()))
+    for goal in ("force", "moment"):
+        want = answer(states, goal)[20:-20]
+        np.testing.assert_allclose(rate(answer(states.momenta, goal)), want, atol=2e-6 * max(1.0, np.abs(want).max()))
