@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from equipoise.balancers.laws.gas import ROOM, STANDARD, Gas, positive, say
+from equipoise.balancers.laws.charge import ROOM, STANDARD, positive, say
+from equipoise.balancers.laws.gas import Gas
 from equipoise.balancers.laws.nitrogen import Nitrogen
 from equipoise.errors import InputError
 from equipoise.units import Length, Number, Pressure, Temperature, Volume
@@ -16,6 +17,7 @@ def gas_cylinder(
     stroke: Length,
     retracted: Length,
     auxiliary: Volume,
+    *,
     rod: Length = 0.0,
     chamber: Literal["cap", "rod", "both"] = "cap",
     charged_length: Length | None = None,
