@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import mujoco
 import numpy as np
@@ -50,6 +50,7 @@ class SliderCrank(Driven):
     slider_mass: Mass = 0.0
     crank_com: Number = 0.5
     rod_com: Number = 0.5
+    sources: ClassVar[tuple[str, ...]] = ("zhang_arakelian_2023",)
 
     @property
     def _sides(self) -> tuple[Any, Any]:
