@@ -5,6 +5,7 @@ Run: uv run --extra robots --group bench python benchmarks/ratios.py
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable
 from functools import partial
@@ -13,11 +14,14 @@ import cvxpy as cp
 import mujoco
 import numpy as np
 from scipy.optimize import differential_evolution
+from scipy.spatial.transform import Rotation
 
 import equipoise as eq
+from equipoise import chunks
 from equipoise.assemble import build
 from equipoise.objective import Aim
 from equipoise.solve.exchange import solve
+from equipoise.solve.program import Term
 
 UR10 = "package://example-robot-data/robots/ur_description/urdf/ur10_robot.urdf"
 ENOUGH = 1e-3
@@ -203,8 +207,44 @@ def evolution(cost: Callable[[np.ndarray], float], bounds: list, goal: float) ->
     return min(state["time"], time.perf_counter() - start), float(state["best"])
 
 
+def cables(poses: int = 100_000, looped: int = 500) -> None:
+    """The quadratic form of eight cables with twelve spline coefficients each; the plain loop is scaled up."""
+    corners = list(itertools.product((0.0, 1.0), repeat=3))
+    ends = [tuple(0.2 * (np.array(corner) - 0.5) * (1.0, 0.8, 0.6)) for corner in corners]
+    robot = eq.cable_platform(tuple(corners), tuple(ends), mass=2.0)
+    low, high = np.array([0.25] * 3 + [-0.3] * 3), np.array([0.75] * 3 + [0.3] * 3)
+    at = low + np.random.default_rng(0).random((poses, 6)) * (high - low)
+    law, aim = eq.BSpline((0.1, 1.7), pieces=9), Aim(goal="wrench")
+    springs = [eq.Spring(cable, eq.Reel(cable), law) for cable in robot.platform.cables]
+    a, b = np.array(corners), np.array(ends)
+    scale = np.r_[1.0, 1.0, 1.0, [1 / robot.platform.length] * 3]
+
+    def ours() -> Term:
+        return chunks.rms_term(robot, springs, robot.states(eq.Sweep(at, np.ones(poses), "random")), aim)
+
+    def plain() -> np.ndarray:
+        P = np.zeros((96, 96))
+        for x in at[:looped]:
+            R = Rotation.from_euler("ZYX", x[3:]).as_matrix()
+            C = np.zeros((6, 96))
+            for i in range(8):
+                arm = R @ b[i]
+                d = a[i] - x[:3] - arm
+                length = np.linalg.norm(d)
+                wrench = np.r_[d / length, np.cross(arm, d / length)] * scale
+                C[:, 12 * i : 12 * i + 12] = np.outer(wrench, law.force_basis(np.array([length]))[0][0])
+            P += C.T @ C / looped
+        return P
+
+    few = chunks.rms_term(robot, springs, robot.states(eq.Sweep(at[:looped], np.ones(looped), "few")), aim).A[0]
+    assert np.abs(few.T @ few - plain()).max() < 1e-12
+    loop = best_of(1, plain) * poses / looped
+    line("8 cables x 12 coefficients, 100 000 poses", "plain loop over poses (scaled up)", loop, best_of(2, ours))
+
+
 if __name__ == "__main__":
     print(f"{'what':<44}{'baseline':<34}{'baseline':>12}{'equipoise':>12}{'ratio':>11}")
     kinematics()
     balance()
     shape()
+    cables()

@@ -123,3 +123,54 @@ def test_leg_orthosis(table, total, arm, tmp_path):
         pushes[np.argmin([*map(left, pushes)])], abs=0.1
     )
     assert verify(design, poses=500).verification.agrees
+
+
+def test_crank_slider():
+    """The peak by plain trigonometry, and no neighbour of the design does better."""
+    design = run("crank_slider")
+    names = ("s.path.crank", "s.path.rod", "s.path.phase")
+    best = np.array([design.geometry[name] for name in names])
+    phi = np.radians(np.arange(30, 151))
+
+    def peak(x):
+        u = phi + x[2]
+        along = np.sqrt(x[1] ** 2 - (x[0] * np.sin(u)) ** 2)
+        slope = -x[0] * np.sin(u) * (1 + x[0] * np.cos(u) / along)
+        push = 1000 * (x[0] * np.cos(u) + along - 1.0) + 0.45 * G
+        return np.abs(7.6453 * G * 0.84 * np.sin(phi) - push * slope).max()
+
+    assert design.before["arm_joint"].peak == pytest.approx(63.0, abs=1e-3)
+    assert design.after["arm_joint"].sample_peak == pytest.approx(peak(best), rel=1e-9)
+    assert peak(best) < 1.45
+    steps = np.random.default_rng(3).normal(size=(500, 3)) * (1e-3, 1e-3, 2e-2)
+    assert peak(best) <= min(peak(best + step * share) for step in steps for share in (1.0, 0.1)) + 1e-7
+    assert verify(design, poses=500).verification.agrees
+
+
+def test_quaglia_arm():
+    design = run("quaglia_arm")
+    g, radius = 9.8, 0.2
+    # Each crank and yoke is a counterweight that goes down as its link rises.
+    lift1 = ((100 * 0.6 + 40 * 1.2) * g - 4 * g * radius / 2) / radius - 12 * g
+    lift2 = (40 * 0.5 * g - 2 * g * radius / 2) / radius - 5 * g
+    assert design.values["lift1.force"] == pytest.approx(lift1, rel=1e-9)
+    assert design.values["lift2.force"] == pytest.approx(lift2, rel=1e-9)
+    assert design.certificate.kind == "exact"
+    assert max(row.peak for row in design.after.values()) < 1e-9
+    assert design.before["link1_joint"].peak == pytest.approx(abs(1058.4 + 196 * np.exp(0.1j * np.pi)), rel=1e-6)
+    assert not design.missed
+    assert verify(design, poses=500).verification.agrees
+
+
+def test_quaglia_gas():
+    design = run("quaglia_gas", starts=2)
+    box = design.sweep.box
+    q1, q2 = (axis.ravel() for axis in np.meshgrid(*(np.linspace(*span, 401) for span in box), indexing="ij"))
+    swing = 10 * 9.8 * (1.2 * np.cos(q1) + np.real((1.05 + 0.12j) * np.exp(1j * (q1 + q2))))
+    # Half the load's own torque is the floor; the gas springs' own errors hide below it.
+    floor = np.abs(swing).max() / 2
+    assert floor <= design.after["link1_joint"].peak * (1 + 1e-4)
+    assert design.after["link1_joint"].peak <= 1.003 * floor
+    assert design.after["link2_joint"].peak >= 5 * 9.8 * abs(1.05 + 0.12j) * (1 - 1e-3)
+    assert not design.missed
+    assert verify(design, poses=500).verification.agrees

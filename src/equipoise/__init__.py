@@ -21,6 +21,7 @@ _HOME = {
     "Block": "affine",
     "Unknown": "affine",
     "Spring": "balancers.spring",
+    "Prescribed": "balancers.synthesis",
     "Line": "balancers.paths",
     "Cable": "balancers.paths",
     "Pulley": "balancers.paths",
@@ -47,6 +48,22 @@ _HOME = {
     "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "PointMass": "balancers.shapes",
+    "Disc": "balancers.shapes",
+    "Plate": "balancers.shapes",
+    "Solid": "balancers.shapes",
+    "CounterRotor": "balancers.counter_rotor",
+    "Flywheel": "balancers.flywheel",
+    "FlywheelLaw": "balancers.flywheel",
+    "Motion": "motion.motion",
+    "Expression": "motion.drivers",
+    "Cycloidal": "motion.drivers",
+    "TimePolynomial": "motion.drivers",
+    "TimeSpline": "motion.drivers",
+    "exact_rate": "balancers.heavy",
+    "exact_rate_zero_free_length": "balancers.heavy",
+    "iterated_rates": "balancers.heavy",
+    "exact_mean": "variation",
     "payload_rule": "balancers.payload",
     "Adjustment": "balancers.payload",
     "Force": "limits",
@@ -62,6 +79,22 @@ _HOME = {
     "Aim": "objective",
     "Design": "design",
     "chain": "models.chain",
+    "DrumWithTorsion": "make",
+    "CamWithSpring": "make",
+    "ConstantForceCam": "make",
+    "law_curve": "make",
+    "arm_curve": "make",
+    "make_part": "make",
+    "make_spring": "make",
+    "arm_cam": "make",
+    "wrench_matrix": "cables",
+    "closure": "cables",
+    "feasible": "cables",
+    "sag_tension": "cables",
+    "distribute": "cables",
+    "clearance": "cables",
+    "stiffness": "cables",
+    "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
@@ -99,17 +132,26 @@ __all__ = [
     "Block",
     "Cable",
     "Cam",
+    "CamWithSpring",
     "Claim",
     "Coil",
     "Constant",
+    "ConstantForceCam",
     "Convex",
+    "CounterRotor",
     "Counterweight",
     "Curvature",
+    "Cycloidal",
     "Design",
     "DisagreementError",
+    "Disc",
     "Drum",
+    "DrumWithTorsion",
     "EquipoiseError",
     "ExactAt",
+    "Expression",
+    "Flywheel",
+    "FlywheelLaw",
     "Force",
     "Gas",
     "Gear",
@@ -125,12 +167,16 @@ __all__ = [
     "MassCap",
     "Mechanism",
     "ModelError",
+    "Motion",
     "Mount",
     "Nitrogen",
     "Payload",
+    "Plate",
     "Platform",
     "Point",
+    "PointMass",
     "Polynomial",
+    "Prescribed",
     "Problem",
     "ProblemError",
     "Profile",
@@ -140,33 +186,53 @@ __all__ = [
     "Slack",
     "SliderCrank",
     "Slope",
+    "Solid",
     "Spring",
     "States",
     "Stiffness",
     "Stroke",
     "Sweep",
+    "TimePolynomial",
+    "TimeSpline",
     "Torsion",
     "Unknown",
     "WireMass",
     "ZeroFreeLength",
     "__version__",
     "analyze",
+    "arm_cam",
+    "arm_curve",
     "balance",
     "cable_platform",
     "caspr",
     "chain",
+    "clearance",
+    "closure",
+    "distribute",
+    "equilibria",
+    "exact_mean",
+    "exact_rate",
+    "exact_rate_zero_free_length",
+    "feasible",
     "four_bar",
     "geometry_map",
     "human_leg",
+    "iterated_rates",
+    "law_curve",
     "load_problem",
+    "make_part",
+    "make_spring",
     "parallelogram_arm",
     "parallelogram_robot",
     "payload_rule",
     "report",
     "reproduce",
+    "sag_tension",
     "shape",
     "slider_crank",
+    "stiffness",
     "verify",
+    "wrench_matrix",
 ]
 
 
@@ -184,7 +250,10 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
+    from equipoise.balancers.counter_rotor import CounterRotor
     from equipoise.balancers.counterweight import Counterweight
+    from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
+    from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
     from equipoise.balancers.laws import (
         BSpline,
         Coil,
@@ -215,7 +284,19 @@ if TYPE_CHECKING:
         SliderCrank,
     )
     from equipoise.balancers.payload import Adjustment, payload_rule
+    from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
     from equipoise.balancers.spring import Spring
+    from equipoise.balancers.synthesis import Prescribed
+    from equipoise.cables import (
+        clearance,
+        closure,
+        distribute,
+        equilibria,
+        feasible,
+        sag_tension,
+        stiffness,
+        wrench_matrix,
+    )
     from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (
@@ -228,6 +309,16 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
+    from equipoise.make import (
+        CamWithSpring,
+        ConstantForceCam,
+        DrumWithTorsion,
+        arm_cam,
+        arm_curve,
+        law_curve,
+        make_part,
+        make_spring,
+    )
     from equipoise.mechanism import Mechanism, Platform, Point
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
@@ -237,10 +328,13 @@ if TYPE_CHECKING:
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank
+    from equipoise.motion.drivers import Cycloidal, Expression, TimePolynomial, TimeSpline
+    from equipoise.motion.motion import Motion
     from equipoise.objective import Aim
     from equipoise.problem import Problem, load_problem
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
+    from equipoise.variation import exact_mean
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.geometry_map import geometry_map

@@ -144,6 +144,23 @@ def verify(
 
 @app.command()
 @guarded
+def make(file: Made, json: Json = False, out: Out = None) -> int:
+    """Cams and drums of the file's `make` block: profiles as DXF and CSV, with the wrapped cord simulated."""
+    from equipoise.solving import made_parts
+
+    parts, problem = made_parts(file)
+    folder = out or _default_out(problem)
+    with staging(folder) as stage:
+        assert stage is not None
+        names = [path.name for part in parts for path in part.write(stage)]
+    say("\n".join([*map(str, parts), *(f"file        {folder / name}" for name in names)]))
+    if json:
+        emit({"parts": [part.facts() for part in parts]})
+    return 0
+
+
+@app.command()
+@guarded
 def report(file: Made, json: Json = False, out: Out = None) -> int:
     """One HTML file to look at, with the data and the model beside it."""
     from equipoise.solving import found_design

@@ -5,6 +5,7 @@ from __future__ import annotations
 from equipoise.console import Interrupts, progress_bar, say
 from equipoise.design import Design
 from equipoise.errors import InputError
+from equipoise.make.synthesis import Part
 from equipoise.problem import Problem
 from equipoise.targets import Target, needs_problem, target_of
 from equipoise.verbs import balance as verbs_balance
@@ -44,6 +45,25 @@ def found_design(file: str, verb: str) -> tuple[Design, Problem, bool]:
         found, stopped = shaped(target.problem, None, None)
         return found, target.problem, stopped
     return balanced(target.problem), target.problem, False
+
+
+def made_parts(file: str) -> tuple[list[Part], Problem]:
+    """What a file asks to be made; its springs are solved for first where a part needs one."""
+    target = _target(file)
+    asked = target.problem.content.make
+    if not asked:
+        raise InputError(
+            "the file asks for nothing to be made",
+            where=f"{file}, make",
+            hint="add `make:` with a drum, cam, constant_force_cam or arm_cam",
+        )
+    needs_design = any(hasattr(request, "spring") for request in asked)
+    design = found_design(file, "make")[0] if needs_design else None
+    parts = []
+    for index, request in enumerate(asked):
+        with target.problem.at("make", index):
+            parts.append(request.part(target.problem.mechanism, design))
+    return parts, target.problem
 
 
 def balanced(problem: Problem) -> Design:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.errors import InputError
@@ -84,6 +85,21 @@ def box_rule(low: Array, high: Array, count: int) -> tuple[Array, Array]:
             points.append(corner + y * inward)
             weights.append(weight * grid[:, j] ** (d - 1) * half.prod())
     return np.concatenate(points), np.concatenate(weights)
+
+
+def contains(corners: Array, points: Array) -> NDArray[np.bool_]:
+    """Which points (M, 2) lie in a simple polygon (V, 2), its edges included."""
+    size = float(np.ptp(corners, axis=0).max())
+    inside = np.zeros(len(points), dtype=bool)
+    near = np.zeros(len(points), dtype=bool)
+    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        crosses = (a[1] > points[:, 1]) != (b[1] > points[:, 1])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = a[0] + (points[:, 1] - a[1]) * (b[0] - a[0]) / (b[1] - a[1])
+        inside ^= crosses & (points[:, 0] < at)
+        along = np.clip((points - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+        near |= np.linalg.norm(points - a - along[:, None] * (b - a), axis=1) <= 1e-9 * size
+    return inside | near
 
 
 def _ears(vertices: Array) -> list[Array]:

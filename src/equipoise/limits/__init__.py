@@ -3,6 +3,7 @@
 from equipoise.limits.curve import Convex, Curvature, Slope
 from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
+from equipoise.limits.realisable import realisable
 from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
 
 __all__ = [
@@ -19,4 +20,5 @@ __all__ = [
     "Stiffness",
     "Stroke",
     "implied",
+    "realisable",
 ]

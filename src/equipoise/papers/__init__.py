@@ -7,7 +7,7 @@ import importlib
 from equipoise.errors import InputError, nearest
 from equipoise.papers.paper import Paper
 
-SLUGS: tuple[str, ...] = ("arakelian-ghazaryan-2008", "quaglia-yin-2015", "zhang-arakelian-2023")
+SLUGS: tuple[str, ...] = ("arakelian-ghazaryan-2008", "quaglia-yin-2015", "zhang-arakelian-2023", "perreault-cardou")
 """Papers in the order in which they are shown; the module and the key in references.bib have underscores."""
 
 

@@ -9,6 +9,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.reporting import phrases, sections, tables
 from equipoise.reporting.markup import Raw, element, image, join, section
+from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, pictures
 
 
@@ -23,6 +24,7 @@ def page(design: Design, model: str) -> str:
             tables.before_after(design),
             *[_picture(one) for one in drawn[1:]],
             tables.parts(design),
+            adjustments(design),
             sections.certificate(design),
             tables.verification(design),
             sections.basis(design),

@@ -8,7 +8,14 @@ from typing import Any
 
 from equipoise.design import Row
 
-SHOWN = {"m": (1e3, "mm"), "rad": (180 / math.pi, "deg"), "m^2": (1e6, "mm^2")}
+SHOWN = {
+    "m": (1e3, "mm"),
+    "rad": (180 / math.pi, "deg"),
+    "m^2": (1e6, "mm^2"),
+    "m^3": (1e3, "L"),
+    "Pa": (1e-5, "bar"),
+}
+FREEZING = 273.15
 SMALL = 1e-4
 LARGE = 1e7
 UNLOADED = 1e-6
@@ -35,9 +42,11 @@ def plain(value: float, digits: int = 4) -> str:
 
 
 def shown(value: float, unit: str) -> tuple[float, str]:
-    """The value in the unit that a workshop uses: mm for m, degrees for rad, percent for shares of the motor limit."""
+    """The value in a workshop's unit: mm for m, degrees, litres, bar, deg C, percent for shares of the motor limit."""
     if unit == "of the motor limit":
         return 100 * value, "% of the motor limit"
+    if unit == "K":
+        return value - FREEZING, "deg C"
     factor, name = SHOWN.get(unit, (1.0, unit))
     return factor * value, name
 

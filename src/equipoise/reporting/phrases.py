@@ -7,9 +7,11 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import Any
 
+from equipoise.balancers.laws.law import FORCE
 from equipoise.design import Active, Design
 from equipoise.parameters import tag
-from equipoise.reporting.numbers import place, plain, quantity, shown, sig, sort_out, span
+from equipoise.reporting.numbers import SHOWN, place, plain, quantity, shown, sig, sort_out, span
+from equipoise.units import along_path
 
 STEPS = {"m": 0.01, "N": 10.0, "N/m": 100.0, "kg": 0.1, "kg m": 0.01, "rad": 0.0174532925, "N m": 1.0}
 """How far a limit is relaxed when its price is put into words, SI."""
@@ -17,15 +19,14 @@ STEPS = {"m": 0.01, "N": 10.0, "N/m": 100.0, "kg": 0.1, "kg m": 0.01, "rad": 0.0
 BOUND = re.compile(r"([<>]=) *(-?[\d.]+(?:e[+-]?\d+)?)")
 """The side and value at the end of a limit's name."""
 
-PARAMETERS = {
-    "k": ("k", "N/m"),
-    "free_length": ("free length", "m"),
-    "closed_length": ("closed length", "m"),
-    "initial_tension": ("initial tension", "N"),
-    "preload": ("preload", "N"),
-    "k_free_length": ("k x free length", "N"),
-    "force": ("force", "N"),
-}
+LAWS = {"constant": "constant force", "linear": "straight force line", "hydro_pneumatic": "hydro-pneumatic"}
+"""What laws are called, where it is not their tag."""
+
+PARAMETERS = {"k_free_length": "k x free length", "k_rest": "k x rest angle"}
+"""What parameters are called, where it is not their name."""
+
+PRODUCTS = {"k_free_length": "free_length", "k_rest": "rest"}
+"""Products that are left out where the parameter in them is known."""
 
 SOUND = "nothing to remark: masses and inertias are possible"
 """What the mass audit says of a sound file."""
@@ -70,7 +71,7 @@ def result(design: Design) -> str:
 
 def main_joint(design: Design) -> str:
     """The counted joint that gains most, as a share of what it may supply or of the largest load."""
-    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    counted = {row for aim in design.objective for row in aim.counted(design.mechanism)}
     norm = design.norm
     by_motor = any(aim.divisor for aim in design.objective)
 
@@ -84,12 +85,12 @@ def main_joint(design: Design) -> str:
 
 def law_words(part: Mapping[str, Any], balancer: Any) -> str:
     """`zero free length, k = 1684 N/m`."""
-    law = tag(type(balancer.law)).replace("_", " ")
-    name = {"constant": "constant force", "linear": "straight force line"}.get(law, law)
+    law = tag(type(balancer.law))
     # A rate whose force is below rounding beside the rest is the solver's way to say none.
-    least = 1e-9 * max(abs(force) for force in part["force"]) / max(part["length"][1], 1e-9)
+    least = 1e-9 * max(abs(force) for force in part["force"]) / max(*map(abs, part["length"]), 1e-9)
     parameters = {key: 0.0 if key == "k" and abs(k) <= least else k for key, k in part["parameters"].items()}
-    return ", ".join([name, *parameter_words(parameters)])
+    words = parameter_words(parameters, part["units"])
+    return ", ".join([LAWS.get(law, law.replace("_", " ")), *balancer.law.remarks, *words])
 
 
 def weight_words(part: Mapping[str, Any], design: Design) -> str:
@@ -98,16 +99,14 @@ def weight_words(part: Mapping[str, Any], design: Design) -> str:
     return f"counterweight, {plain(part['mass'])} kg" if wanted else "counterweight, 0 kg: it does not help here"
 
 
-def parameter_words(parameters: Mapping[str, float]) -> list[str]:
-    """Each parameter of a law with its unit; the product k L0 is left out where the free length is known."""
+def parameter_words(parameters: Mapping[str, float], units: Mapping[str, str]) -> list[str]:
+    """Each parameter of a law with its unit; a product such as k L0 is left out where the free length is known."""
     words = []
     for parameter, value in parameters.items():
-        if parameter == "k_free_length" and "free_length" in parameters:
+        if PRODUCTS.get(parameter) in parameters or (parameter in ("initial_tension", "preload") and value == 0):
             continue
-        if parameter == "initial_tension" and value == 0:
-            continue
-        name, unit = PARAMETERS.get(parameter, (parameter.replace("_", " "), ""))
-        words.append(f"{name} = {quantity(value, unit)}" if parameter == "k" else f"{name} {quantity(value, unit)}")
+        name, shown_value = PARAMETERS.get(parameter, parameter.replace("_", " ")), quantity(value, units[parameter])
+        words.append(f"{name} = {shown_value}" if parameter == "k" else f"{name} {shown_value}")
     return words
 
 
@@ -119,11 +118,48 @@ def where_words(part: Mapping[str, Any]) -> str:
 def work_words(part: Mapping[str, Any]) -> str:
     """Length, force and energy of a spring over the sweep."""
     mass = f", own mass {quantity(part['mass'], 'kg', 3)}" if part.get("mass") else ""
-    slack = "; it pushes where the force is negative" if part["force"][0] < -1e-9 * part["force"][1] else ""
-    return (
-        f"length {span(part['length'], 'm')} (stroke {quantity(part['stroke'], 'm', 3)}), "
-        f"force {span(part['force'], 'N')}, {energy_words(part)}{mass}{slack}"
-    )
+    return ", ".join(f"{name} {value}" for name, value in facts(part)) + mass + pushing(part)
+
+
+def facts(part: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What a spring does over the sweep: length or angle with its stroke, force or torque, energy."""
+    unit = part["unit"]
+    length, force = ("angle", "torque") if unit == "rad" else ("length", "force")
+    stroke = f" (stroke {quantity(part['stroke'], unit, 3)})"
+    return [
+        (length, span(part["length"], unit) + stroke),
+        (force, span(part["force"], along_path(FORCE, unit))),
+        ("energy", energy_words(part).removeprefix("energy ")),
+    ]
+
+
+def details(part: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What else a law tells of itself: pressures, volumes, powers."""
+    words = []
+    for name, detail in part["details"].items():
+        value, unit = detail["value"], detail["unit"]
+        if isinstance(value, float):
+            words.append((name, quantity(value, unit)))
+        elif len(value) == 2 and unit in SHOWN:
+            words.append((name, span(value, unit, 4)))
+        else:
+            words.append((name, f"{', '.join(plain(item) for item in value)} ({unit})"))
+    return words
+
+
+def pushing(part: Mapping[str, Any]) -> str:
+    """That a spring pushes, where it is no strut that always does."""
+    low, high = part["force"]
+    return "; it pushes where the force is negative" if low < -1e-9 * abs(high) and high > 0 else ""
+
+
+def stored_words(part: Mapping[str, Any]) -> str:
+    """How far the cubic in the saved model is from a law that no tendon can hold, or nothing."""
+    stored = part["stored"]
+    if stored["exact"]:
+        return ""
+    error = f"{sig(stored['error'], 2)} {along_path(FORCE, part['unit'])}"
+    return f"in the saved model the nearest cubic stands for it, within {error}; verified with the law itself"
 
 
 def energy_words(part: Mapping[str, Any]) -> str:
@@ -174,12 +210,18 @@ def limit_words(limit: str) -> str:
 
 
 def floor_words(design: Design) -> list[str]:
-    """Joints whose own load holds the objective up although no part reaches them."""
+    """What holds the objective up although no part can lower it."""
     words = []
-    for joint in design.certificate.floors:
-        row = design.after[joint]
+    for floor in design.certificate.floors:
+        row = design.after[floor.row]
         kind = "torque" if row.unit == "N m" else "force"
-        words.append(f"{joint}'s own {kind} ({sig(row.peak)} {row.unit}), which no added part reaches")
+        size = f"{sig(row.peak)} {row.unit}"
+        if floor.cause == "own":
+            words.append(f"{floor.row}'s own {kind} ({size}), which no added part reaches")
+        else:
+            words.append(
+                f"the payload: half of what it changes at {floor.row} ({size}), which no fixed design can beat"
+            )
     return words
 
 
@@ -216,7 +258,8 @@ def certificate_words(design: Design) -> str:
         optima = "1 optimum" if c.optima == 1 else f"{c.optima} different optima"
         apart = f", values up to {sig(shown(c.spread, c.unit)[0], 3)} {unit} apart" if c.optima > 1 else ""
         words += f"; geometry: local, {c.starts} start{'s' * (c.starts != 1)}, {optima}{apart}"
-    return "; ".join([words, *c.flat])
+    rule = [f"quadrature good to {sig(c.quadrature, 1)} of the value"] if c.quadrature is not None else []
+    return "; ".join([words, *rule, *c.flat])
 
 
 def next_steps(design: Design) -> list[str]:
@@ -225,8 +268,8 @@ def next_steps(design: Design) -> list[str]:
     steps = []
     if design.missed:
         steps.append("relax the target, free more geometry, or add a part")
-    if c.floors:
-        acting = " and ".join(c.floors)
+    if own := [floor.row for floor in c.floors if floor.cause == "own"]:
+        acting = " and ".join(own)
         steps.append(f"add a spring with {acting} between its ends: the rest cannot fall before that does")
     bounds = [active.limit for active in c.active if active.limit.split(" ")[0] in design.geometry]
     if bounds:

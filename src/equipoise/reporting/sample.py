@@ -14,7 +14,7 @@ from equipoise.errors import EquipoiseError
 from equipoise.reporting.numbers import shown, sort_out
 from equipoise.reporting.phrases import main_joint
 from equipoise.states import States
-from equipoise.sweep import held
+from equipoise.posefile import held
 
 FINE = 241
 

@@ -7,23 +7,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array, Unknown, magnitudes
-from equipoise.assemble import Balancer, build, check, effort, thrift
+from equipoise.affine import Array, Block, Unknown, magnitudes
+from equipoise.assemble import Balancer, account, build, check, effort, thrift
 from equipoise.balancers.spring import Spring
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
+from equipoise.floors import floors
 from equipoise.limits import Limit, curve
+from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
-from equipoise.objective import Aim, as_objective, goals_of
+from equipoise.motion.moves import Free
+from equipoise.objective import Aim, as_objective
 from equipoise.peaks import polish
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.verbs.analyze import tables, worst
+from equipoise.verbs.analyze import table, worst
 
 EXACT = 1e-9
-FLOOR = 1e-6
 ROUNDS = 12
 BETWEEN = 1e-7
 CUTS = 60
@@ -58,9 +60,15 @@ class Balanced:
     solution: Solution
     refined: int
 
-    def residual(self, states: States, goal: str = "hold") -> Array:
-        """A goal's residual (N, R) with the solution's values, at any states; of `hold` (N, nd)."""
-        return effort(self.task.mechanism, self.task.balancers, states, goal).at(self.solution.theta)
+    @property
+    def values(self) -> dict[str, float]:
+        """The solution by name."""
+        return {u.name: float(v) for u, v in zip(self.program.unknowns, self.solution.theta, strict=True)}
+
+    def account(self, states: States) -> tuple[tuple[Block, ...], Array]:
+        """Blocks and residual (N, R) that the design reports, with the solution's values, at any states."""
+        task = self.task
+        return account(task.mechanism, task.balancers, states, task.objective, self.values)
 
 
 def balance(
@@ -190,27 +198,34 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
                     scale=max(abs(theta[index]), abs(bound), 1e-9),
                 )
             )
-    return theta + solve(Program(moves, (term,), tuple(rows))).theta @ directions
+    definite = tuple(
+        replace(one, S=np.tensordot(directions, one.S, axes=1), S0=one.matrix(theta), unknowns=moves)
+        for one in lean.definite
+    )
+    return theta + solve(Program(moves, (term,), tuple(rows), definite)).theta @ directions
 
 
 def _between(task: Task, states: States, program: Program, solution: Solution) -> Array:
     """Poses between the samples whose peak exceeds the solved one; none for grids, lists and other norms."""
     aims = [aim for aim in task.objective if aim.cap is None]
-    if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak":
-        return np.zeros((0, states.driven.shape[1]))
-    columns, scale = aims[0].columns(task.mechanism)
-    sizes = tuple(block.size for block in aims[0].blocks(task.mechanism))
+    if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak" or aims[0].goal == "mass":
+        return np.zeros((0, task.sweep.coordinates.shape[1]))
+    aim = aims[0]
+    bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
 
-    def residual(other: States) -> Array:
-        return effort(task.mechanism, task.balancers, other, aims[0].goal).at(solution.theta)[:, columns] * scale
+    def counted(other: States) -> tuple[Sequence[Block], Array]:
+        whole = effort(task.mechanism, task.balancers, other, aim.goal, aim.pole).expand(program.unknowns)
+        term = aim.term(task.mechanism, whole, np.ones(len(other)), bare)
+        return [Block("", "", size) for size in term.sizes], term.residual(solution.theta)
 
-    size = magnitudes(residual(states), sizes)
+    blocks, residual = counted(states)
+    size = magnitudes(residual, [block.size for block in blocks])
     sampled = size.reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
     peaks = polish(
-        lambda poses: worst(task.mechanism, task.sweep, poses, residual, sizes),
-        task.sweep.poses,
+        lambda found: worst(task.mechanism, task.sweep, found, counted),
+        task.sweep.coordinates,
         sampled,
-        task.sweep.box,
+        task.sweep.domain,
     )
     level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
     load = max(float(np.abs(term.b).max()) for term in program.terms)
@@ -227,9 +242,12 @@ def finish(
 ) -> Design:
     """Put a solved task into words and tables."""
     task, states, unknowns = balanced.task, balanced.states, balanced.program.unknowns
-    goals = goals_of(task.objective)
-    before = tables(task.mechanism, task.sweep, states, (), np.zeros(0), goals)
-    after = tables(task.mechanism, task.sweep, states, task.balancers, balanced.solution.theta, goals)
+
+    def bare(other: States) -> tuple[tuple[Block, ...], Array]:
+        return account(task.mechanism, (), other, task.objective, {})
+
+    before = table(task.mechanism, task.sweep, states, bare)
+    after = table(task.mechanism, task.sweep, states, balanced.account)
     return Design(
         mechanism=task.mechanism,
         balancers=task.balancers,
@@ -252,8 +270,8 @@ def finish(
 def certify(balanced: Balanced) -> Certificate:
     """The certificate of a fixed geometry: `exact` where nothing is left, also off the grid, else `convex`."""
     task, program, solution = balanced.task, balanced.program, balanced.solution
-    aim = next(aim for aim in task.objective if aim.cap is None)
-    unit = aim.unit(task.mechanism)
+    unit = unit_of(task)
+    first = next(aim for aim in task.objective if aim.cap is None)
     primal = program.objective(solution.theta)
     return Certificate(
         kind="exact" if is_exact(balanced) else "convex",
@@ -262,10 +280,18 @@ def certify(balanced: Balanced) -> Certificate:
         unit=unit,
         violation=max(0.0, program.violation(solution.theta)),
         active=active_limits(program, solution, unit),
-        floors=floors(program, balanced, np.abs(solution.theta)),
+        floors=floors(
+            program, solution.theta, np.abs(solution.theta), first.counted(task.mechanism), len(task.sweep.scenarios)
+        ),
         flat=tuple(_direction(vector, program) for vector in solution.flat),
         quadrature=quadrature_error(balanced),
     )
+
+
+def unit_of(task: Task) -> str:
+    """Unit of the objective; a sum over goals of different units says so."""
+    units = list(dict.fromkeys(aim.unit(task.mechanism) for aim in task.objective if aim.cap is None))
+    return units[0] if len(units) == 1 else f"weighted sum of {', '.join(units)}"
 
 
 def quadrature_error(balanced: Balanced) -> float | None:
@@ -283,22 +309,24 @@ def quadrature_error(balanced: Balanced) -> float | None:
 
 
 def is_exact(balanced: Balanced) -> bool:
-    """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other poses of its box."""
-    task, program = balanced.task, balanced.program
-    load = max(program.loads)
-    left = max(float(np.abs(term.residual(balanced.solution.theta)).max()) for term in program.terms)
-    if left > EXACT * load:
+    """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other states of its region."""
+    task, program, theta = balanced.task, balanced.program, balanced.solution.theta
+    loads = [load for term, load in zip(program.terms, program.loads, strict=True) if term.cap is None]
+
+    def vanishes(other: Program) -> bool:
+        terms = [term for term in other.terms if term.cap is None]
+        return all(np.abs(t.residual(theta)).max() <= EXACT * load for t, load in zip(terms, loads, strict=True))
+
+    if not vanishes(program):
         return False
-    if task.sweep.box is None:
+    region = task.sweep.domain
+    if region is None:
         return True
-    box = task.sweep.box
-    poses = box[:, 0] + np.random.default_rng(0).random((256, len(box))) * (box[:, 1] - box[:, 0])
-    other = task.mechanism.states(task.sweep.at_poses(poses))
-    worst_left = 0.0
-    for aim in task.objective:
-        columns, scale = aim.columns(task.mechanism)
-        worst_left = max(worst_left, float(np.abs(balanced.residual(other, aim.goal)[:, columns] * scale).max()))
-    return worst_left <= EXACT * load
+    others = region[:, 0] + np.random.default_rng(0).random((256, len(region))) * (region[:, 1] - region[:, 0])
+    if isinstance(task.sweep.moves, Free):
+        joints = task.mechanism.driven
+        others = others[reachable(task.mechanism, others[:, : len(joints)])]
+    return vanishes(task.program(task.mechanism.states(task.sweep.at(others))))
 
 
 def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Active, ...]:
@@ -306,7 +334,7 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
     found: list[tuple[float, Active]] = []
     scales = {rows.limit: (rows.scale, rows.unit) for rows in program.rows}
     for limit, price in solution.prices.limits.items():
-        scale, limit_unit = scales[limit]
+        scale, limit_unit = scales.get(limit, (1.0, "kg"))  # definite matrices are written in kg
         found.append((price * scale, Active(limit, price, f"{unit} per {limit_unit}")))
     for side, prices, values in (
         (">=", solution.prices.lower, program.lower),
@@ -319,24 +347,6 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
             found.append((size, Active(f"{unknown.name} {side} {value:g}", float(price), f"{unit} per {unknown.unit}")))
     worth = 1e-6 * max(solution.objective, 1e-300)
     return tuple(active for size, active in sorted(found, key=lambda pair: -pair[0]) if size > worth)
-
-
-def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...]:
-    """Joints whose torque is the peak, although nothing that may change, by `sizes` (P,), reaches them."""
-    term = next(term for term in program.terms if term.cap is None)
-    mine = next(term for term in balanced.program.terms if term.cap is None)
-    aim = next(aim for aim in balanced.task.objective if aim.cap is None)
-    load = max(balanced.program.loads)
-    if term.norm != "peak" or balanced.solution.objective <= EXACT * load:
-        return ()
-    rows = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
-    reach = np.maximum.reduceat(rows, np.cumsum((0, *term.sizes[:-1])))
-    joints = aim.counted(balanced.task.mechanism)
-    largest = mine.magnitudes(mine.residual(balanced.solution.theta)).max(axis=0)
-    held = largest >= balanced.solution.objective * (1 - FLOOR)
-    return tuple(
-        joint for joint, high, moved in zip(joints, held, reach, strict=True) if high and moved <= EXACT * load
-    )
 
 
 def _direction(vector: Array, program: Program) -> str:

@@ -11,6 +11,7 @@ from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, effort, thrift
 from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
+from equipoise.floors import floors
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
@@ -21,7 +22,7 @@ from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, distin
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
-from equipoise.verbs.balance import Balanced, Task, certify, finish, floors, settle, task_of
+from equipoise.verbs.balance import Balanced, Task, certify, finish, settle, task_of
 
 COARSE = 400
 PER_START = 24
@@ -110,16 +111,13 @@ def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, floa
 
 def load_of(task: Task, states: States) -> float:
     """The objective of the bare mechanism, which makes tolerances and penalties relative."""
-    load = sum(
-        term.factor * term.value(np.zeros(0))
-        for term in (
-            aim.term(task.mechanism, effort(task.mechanism, (), states, aim.goal), states.weight)
-            for aim in task.objective
-        )
-        if term.cap is None
-    )
+    load = 0.0
+    for aim in task.objective:
+        bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
+        if aim.cap is None and np.any(bare.b):
+            load += aim.weight * aim.term(task.mechanism, bare, states.weight, bare).value(np.zeros(0))
     if not load > 0:
-        raise InputError("gravity loads none of the joints that count", where="objective", hint="check gravity, joints")
+        raise InputError("nothing loads what counts", where="objective", hint="check gravity, joints")
     return load
 
 
@@ -188,7 +186,7 @@ def _thinned(sweep: Sweep, states: States) -> Sweep:
     loads = np.abs(states.holding).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
     heavy = np.argsort(-loads, axis=0)[: max(1, COARSE // 4 // loads.shape[1])].ravel()
     keep = np.union1d(even, heavy)
-    return replace(sweep, poses=sweep.poses[keep], weight=np.maximum(sweep.weight[keep], 1e-300))
+    return sweep.thinned(keep)
 
 
 def _present(search: _Search) -> Array | None:
@@ -259,7 +257,13 @@ def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:
         spread=float(max(merits) - min(merits)),
         stationarity=best.stationarity,
         active=tuple(bound) + inner.active,
-        floors=floors(wide, balanced, sizes),
+        floors=floors(
+            wide,
+            np.append(theta, np.zeros(len(search.freedoms))),
+            sizes,
+            aim.counted(task.mechanism),
+            len(task.sweep.scenarios),
+        ),
         flat=inner.flat + _flat(search, wide, balanced, best),
     )
     geometry = {f.name: float(value) for f, value in zip(search.freedoms, best.gamma, strict=True)}

@@ -23,8 +23,8 @@ class BSpline(Law):
 
     interval (low, high) in m or rad holds all lengths of the sweep; pieces of equal length, or given interior
     knots; piece_degree d is 0 .. 5 (3: continuous curvature, as a cam needs it); c_i in N or N m,
-    i = 0 .. pieces + d - 1, coefficients None where the program finds them. All N_i >= 0 and sum_i N_i = 1. The
-    energy counts from low:
+    i = 0 .. pieces + d - 1, coefficients None where the program finds them.
+    All N_i >= 0 and sum_i N_i = 1. The energy counts from low:
 
         V = sum_i c_i (t_{i+d+1} - t_i) / (d + 1) sum_{j > i} N_j^{d+1},   t the knots
 

@@ -75,6 +75,11 @@ class Gas(Law):
         return None
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """How it acts and how its charge is read."""
+        return f"{self.action}es" if self.pushes else f"{self.action}s", f"{self.reading} charge"
+
+    @property
     def pushes(self) -> bool:
         """Whether it is a strut that pushes its ends apart."""
         return self.action == "push"
@@ -95,11 +100,18 @@ class Gas(Law):
         """What ends the span."""
         return "gas volume"
 
-    def exponents(self) -> tuple[Any, Any, Any]:
-        """n, the isothermal n_T and the heating exponent h."""
+    def exponents(self) -> tuple[Any, Any]:
+        """n and the isothermal n_T."""
         if not isinstance(self.exponent, Nitrogen):
-            return self.exponent, 1.0, 1.0
+            return self.exponent, 1.0
         return self.exponent.working(self._charge.absolute).exponents(self.temperature)
+
+    def warmth(self) -> Any:
+        """(T / T0)^h: what the temperature makes of the charge; a real gas's h is that at the mean of both."""
+        if not isinstance(self.exponent, Nitrogen):
+            return self.temperature / self.charged_at
+        gas = self.exponent.working(self._charge.absolute)
+        return (self.temperature / self.charged_at) ** gas.heating((self.temperature + self.charged_at) / 2)
 
     def gas_volume(self, length: Array) -> Array:
         """V (..., N), m^3, at lengths (..., N), m."""
@@ -115,8 +127,7 @@ class Gas(Law):
         least = LEAST * np.abs(np.real(self.volume)) + 0.0 * np.real(volume)
         volume = np.where(np.real(volume) > least, volume, least)
         push = self.side * self.area
-        n, _, h = self.exponents()
-        heat = (self.temperature / self.charged_at) ** h
+        (n, _), heat = self.exponents(), self.warmth()
         ratio, work = polytrope(self.volume / volume, n)
         gas = Share(
             "gas", "Pa", None, push * heat * ratio, heat * self.volume * work, push**2 * heat * n * ratio / volume
@@ -128,9 +139,24 @@ class Gas(Law):
         """Absolute pressure P (N,), Pa, at lengths (N,), m."""
         return self.side * self.force_at(length, values) / self.area + self.ambient
 
+    def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
+        """Pressures and volumes over the lengths."""
+        return gas_details(self.pressures(length, values), self.gas_volume(length), self.ambient)
+
     def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters; the exponent as the number that acts."""
         return super().parameters(values) | {"exponent": float(np.real(self.exponents()[0]))}
+
+
+def gas_details(pressure: Array, volume: Array, ambient: float) -> dict[str, tuple[Any, str]]:
+    """Absolute and gauge pressure, swept and auxiliary volume: what a maker asks for."""
+    low, high = float(pressure.min()), float(pressure.max())
+    return {
+        "absolute pressure": ((low, high), "Pa"),
+        "gauge pressure": ((low - ambient, high - ambient), "Pa"),
+        "swept volume": (float(np.ptp(volume)), "m^3"),
+        "auxiliary volume": (float(volume.min()), "m^3"),
+    }
 
 
 def polytrope(ratio: Any, exponent: Any) -> tuple[Any, Any]:

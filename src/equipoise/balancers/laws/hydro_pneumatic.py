@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.balancers.laws.gas import LEAST, ROOM, STANDARD, Charge, Gas, positive, say
+from equipoise.balancers.laws.gas import LEAST, ROOM, STANDARD, Charge, Gas, gas_details, positive, say
 from equipoise.balancers.laws.law import Law, Share
 from equipoise.balancers.laws.nitrogen import Nitrogen
 from equipoise.errors import InputError
@@ -99,6 +99,11 @@ class HydroPneumatic(Law):
         return None
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """How it acts and how its charge is read."""
+        return f"{self.action}es" if self.pushes else f"{self.action}s", f"{self.reading} charge"
+
+    @property
     def pushes(self) -> bool:
         """Whether it is a strut that pushes its ends apart."""
         return self.action == "push"
@@ -129,6 +134,18 @@ class HydroPneumatic(Law):
         side = -1.0 if self.pushes else 1.0
         return side * self.force_at(length, values) / self.area + self.ambient
 
+    def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
+        """Pressures, gas volume and oil over the lengths."""
+        gas = self.gas().gas_volume(length)
+        oil = self.accumulator - gas
+        found = gas_details(self.pressures(length, values), gas, self.ambient)
+        del found["auxiliary volume"]
+        return found | {"gas volume": (_ends(gas), "m^3"), "oil in the accumulator": (_ends(oil), "m^3")}
+
     def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters; the exponent as the number that acts."""
         return super().parameters(values) | {"exponent": float(np.real(self.gas().exponents()[0]))}
+
+
+def _ends(values: Array) -> tuple[float, float]:
+    return float(values.min()), float(values.max())

@@ -57,6 +57,11 @@ class Law:
         return False
 
     @property
+    def remarks(self) -> tuple[str, ...]:
+        """What a description says beside the parameters."""
+        return ()
+
+    @property
     def span(self) -> tuple[Any, Any]:
         """Least and largest length at which the law holds, None where it has no such end."""
         return None, None
@@ -132,8 +137,12 @@ class Law:
                 found[field.name] = float(value)
         return found
 
+    def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:  # noqa: ARG002
+        """What else is worth knowing of it over lengths (N,): {words: (value or (least, largest), SI unit)}."""
+        return {}
+
     def parameter_units(self, along: str = "m") -> dict[str, str]:
         """SI units of everything that `parameters` may name, on a path in m or rad."""
-        units = unit_marks(type(self))
+        units = {field.name: "" for field in fields(self)} | unit_marks(type(self))
         units |= {share.parameter: share.unit for share in self.shares(np.ones(1))}
         return {name: along_path(unit, along) for name, unit in units.items()}

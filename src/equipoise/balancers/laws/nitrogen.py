@@ -51,10 +51,14 @@ class Nitrogen:
             )
         return self if self.at is not None else replace(self, at=pressure)
 
-    def exponents(self, temperature: Any) -> tuple[Any, Any, Any]:
-        """n, n_T and the heating exponent at the working pressure and a temperature, K."""
-        isothermal, isentropic, heating = (_interpolate(name, self.at, temperature) for name in COLUMNS)
-        return isothermal + self.adiabatic * (isentropic - isothermal), isothermal, heating
+    def exponents(self, temperature: Any) -> tuple[Any, Any]:
+        """n and the isothermal n_T at the working pressure and a temperature, K."""
+        isothermal, isentropic = (_interpolate(name, self.at, temperature) for name in ("isothermal", "isentropic"))
+        return isothermal + self.adiabatic * (isentropic - isothermal), isothermal
+
+    def heating(self, temperature: Any) -> Any:
+        """(T / P) (dP/dT)_V at the working pressure and a temperature, K."""
+        return _interpolate("heating", self.at, temperature)
 
 
 @functools.cache

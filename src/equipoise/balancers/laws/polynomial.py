@@ -75,6 +75,27 @@ class Polynomial(Law):
             for i in range(self.degree + 1)
         )
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """On which basis the coefficients stand."""
+        return (f"degree {self.degree} on Legendre's basis of the interval",)
+
+    def parameter_units(self, along: str = "m") -> dict[str, str]:
+        """Units of the coefficients and of the interval's ends."""
+        return super().parameter_units(along) | {"from": along, "to": along}
+
+    def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
+        """The interval and the coefficients."""
+        low, high = (float(np.real(end)) for end in self.interval)
+        found = super().parameters(values)
+        del found["degree"]
+        return {"from": low, "to": high} | found
+
+    def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:  # noqa: ARG002
+        """The same force in powers of the length, which are for reading and not for computing."""
+        middle, powers = self.monomials(values)
+        return {"force in powers of (length - middle)": (tuple(float(a) for a in powers), f"SI, middle {middle:.6g}")}
+
     def monomials(self, values: Mapping[str, float]) -> tuple[float, Array]:
         """(middle, a) of the same force as sum_i a_i (l - middle)^i, a_i in N/m^i or N m/rad^i: for reports."""
         low, high = self.interval

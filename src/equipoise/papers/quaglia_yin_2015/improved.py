@@ -77,8 +77,10 @@ def _struts() -> list[Improvement]:
     """The gas strut on the pivot: its best volume is finite."""
     found, sweep = [], along(count=COUNT)
     published = norms(constant_force(1, sweep, 86.0), sweep)
-    for exponent, turns in ((1.4, False), (1.0, False), (1.2, True)):
-        gas = replace(pressure.strut(exponent, exponent), pressure=None)
+    nitrogen = replace(pressure.NITROGEN, adiabatic=0.5)
+    cases = ((1.4, "n = 1.4", False), (1.0, "n = 1", False), (1.2, "n = 1.2", True), (nitrogen, "nitrogen", False))
+    for exponent, word, turns in cases:
+        gas = replace(pressure.strut(1.5, exponent), pressure=None)
         around = gas.area * gas.length
         free: dict[str, Any] = {"s.law.volume": (0.6 * around, 6 * around)}
         design = _shaped(1, pivoted("s", JOINT, gas), sweep, free | ({"s.path.phase": PHASE} if turns else {}), "mean")
@@ -87,7 +89,7 @@ def _struts() -> list[Improvement]:
             "volume": f"{1e3 * volume:.4f} l ({volume / around:.4f} A a10)",
             "charge": f"{design.values['s.pressure'] / pressure.BAR:.2f} bar gauge",
         } | ({"alpha5": _angle(design)} if turns else {})
-        what = f"link 1, gas strut on a pivot, n = {exponent:g}: charge, volume{', angle' if turns else ''}"
+        what = f"link 1, gas strut on a pivot, {word}: charge, volume{', angle' if turns else ''}"
         note = f"area {1e4 * gas.area:.4f} cm2; published: constant force at 86 deg. {_elsewhere(design)}"
         found.append(_improvement(what, 1, sweep, "mean", published, design, values, note))
     return found
@@ -97,9 +99,13 @@ def _elsewhere(design: eq.Design) -> str:
     """What a strut leaves where the gas follows another exponent than the one it was made for."""
     spring: Any = design.balancers[0]
     sweep, parts = along(count=COUNT), []
-    for exponent in (1.0, 1.2, 1.4):
+    others: dict[str, Any] = {"at n = 1": 1.0, "at n = 1.2": 1.2, "at n = 1.4": 1.4}
+    if isinstance(spring.law.exponent, eq.Nitrogen):
+        words = ("slowly", "half-way", "quickly")
+        others = {word: replace(pressure.NITROGEN, adiabatic=0.5 * i) for i, word in enumerate(words)}
+    for word, exponent in others.items():
         law = replace(spring.law, exponent=exponent, pressure=design.values["s.pressure"])
-        parts.append(f"{mean(left(1, replace(spring, law=law), sweep), sweep):.3f} % at n = {exponent:g}")
+        parts.append(f"{mean(left(1, replace(spring, law=law), sweep), sweep):.3f} % {word}")
     return f"Mean error {', '.join(parts)}"
 
 

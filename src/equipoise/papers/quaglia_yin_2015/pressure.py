@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,12 @@ from equipoise.papers.quaglia_yin_2015.robots import CRANK, JOINT, LARGEST, alon
 BAR = 1e5
 AMBIENT = 101325.0
 ADIABATIC = 1.4
+NITROGEN = eq.Nitrogen(at=168.45 * BAR + AMBIENT)
 FORCE = LARGEST[0] / CRANK
 STROKE = 2 * CRANK
 
 
-def on_yoke(ratio: float, exponent: float, gauge: float, ambient: float = AMBIENT) -> eq.Gas:
+def on_yoke(ratio: float, exponent: Any, gauge: float, ambient: float = AMBIENT) -> eq.Gas:
     """Link 1's gas spring on its yoke: `ratio` of auxiliary to swept volume, charged to `gauge` Pa at mid-stroke."""
     area = FORCE / gauge
     volume = area * STROKE * (ratio + 0.5)
@@ -32,7 +34,7 @@ def yoke_error(gas: eq.Gas, sweep: eq.Sweep | None = None) -> Array:
     return left(1, yoke("s", JOINT, gas, phase=0.0), sweep or along())
 
 
-def strut(eta: float, exponent: float, gauge: float = 168.0 * BAR, ra: float = 6.0) -> eq.Gas:
+def strut(eta: float, exponent: Any, gauge: float = 168.0 * BAR, ra: float = 6.0) -> eq.Gas:
     """A pulling strut from pin to pivot at alpha5 = 90 deg; eta is its gas volume over A a10 where link 1 is level."""
     length = CRANK * math.hypot(1.0, ra)
     area = LARGEST[0] * length / (ra * CRANK**2) / gauge
@@ -148,6 +150,9 @@ def _equations(P: Source) -> list[Claim]:
 def _sizes(P: Source) -> list[Claim]:
     air, oil = 6.738 * BAR, 168.45 * BAR
     bottles = [on_yoke(needed(2.8, ADIABATIC, gauge), ADIABATIC, gauge) for gauge in (air, oil)]
+    swept = [1e3 * gas.area * STROKE for gas in bottles]
+    stiff = float(NITROGEN.exponents(293.15)[0])
+    real = mean(yoke_error(replace(bottles[1], exponent=NITROGEN)), along())
     at_200 = on_yoke(needed(2.8, ADIABATIC, 200 * BAR), ADIABATIC, 200 * BAR)
     top = float(at_200.pressures(np.array([-CRANK]), {})[0] - AMBIENT) / BAR
     reach = float(bottles[1].pressures(np.array([-CRANK]), {})[0] - AMBIENT) / BAR
@@ -159,8 +164,10 @@ def _sizes(P: Source) -> list[Claim]:
             lambda factor: factor > 1,
             "",
             note=f"gas volumes for link 1 and a mean error of 2.8 %: {1e3 * bottles[0].volume:.2f} l at 6.738 bar "
-            f"gauge (bore 100 mm), {1e3 * bottles[1].volume:.4f} l at 168.45 bar (ram 20 mm). Bore and crank do not "
-            "matter: V0 is about pi0 n C1max / (pi e (P0 - Pa)). Nitrogen at these pressures is stiffer than 1.4 says",
+            f"gauge (bore 100 mm), {1e3 * bottles[1].volume:.4f} l at 168.45 bar (ram 20 mm), of which the cylinders "
+            f"sweep {swept[0]:.2f} and {swept[1]:.3f} l. Bore and crank do not matter: V0 is about pi0 n C1max / (pi e "
+            f"(P0 - Pa)). As a real gas nitrogen has n = {stiff:.3f} at 168 bar: {real:.3f} % quickly with the same "
+            "bottle",
         ),
         P.underspecified(
             "pressure that the spring can supply",

@@ -139,6 +139,12 @@ def mean(values: Array, sweep: eq.Sweep) -> Any:
     return np.abs(values) @ sweep.weight / sweep.weight.sum()
 
 
+def exact_mean(spring: eq.Spring) -> float:
+    """Mean error, percent, of a spring with a known law on link 1 over (-90, 90) deg, by total variation of energy."""
+    over = eq.Sweep.grid(alone(1), {"link_joint": (*np.radians(HALF).tolist(), 3)})
+    return 100 * eq.exact_mean(eq.balance(alone(1), [spring], over)) / LARGEST[0]
+
+
 def norms(values: Array, sweep: eq.Sweep) -> dict[str, float]:
     """Mean, root mean square and peak of the magnitude (N,)."""
     square = values**2 @ sweep.weight / sweep.weight.sum()

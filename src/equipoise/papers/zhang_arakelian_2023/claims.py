@@ -47,7 +47,7 @@ def _introduction() -> list[Claim]:
     straight = eq.balance(link(), [_direct(eq.Coil(0.2))], over(), norm="rms").certificate
     swivel = eq.InvertedSliderCrank(eq.Angle(JOINT), crank=0.3, distance=0.25)
     rod = eq.balance(link(), [eq.Spring("s", swivel, eq.Linear())], over(), norm="peak")
-    states = link().states(over())
+    states = model.states()
     heavy = largest(dyad.moment(states, dyad.spring(mass=1.0)) - dyad.moment(states))
     raised = dyad.moment(states, dyad.spring(mass=1.0, free=FREE + 0.5 * G / K)) - dyad.moment(states)
     stretch = 100 * (FREE - dyad.height(states)) / FREE
@@ -127,7 +127,7 @@ def _synthesis() -> list[Claim]:
 
 def _moments() -> list[Claim]:
     _, dyad = design(THREE)
-    states = link().states(over())
+    states = model.states()
     true = dyad.moment(states)
 
     def gap(**slips: bool) -> float:
@@ -204,7 +204,7 @@ def _three_positions() -> list[Claim]:
 def _many_positions() -> list[Claim]:
     energy, dyad = design(MANY)
     first = design(THREE)[1]
-    states = link().states(over())
+    states = model.states()
     judged = model.best_energy(at(*MANY), signed_sum)
     literal = synthesis(at(*MANY), judged)
     peak, mirrored = _peak(dyad), _peak(Dyad(dyad.r, dyad.l, -dyad.beta))
@@ -259,7 +259,7 @@ def _many_positions() -> list[Claim]:
 
 
 def _conclusion() -> list[Claim]:
-    states = link().states(over())
+    states = model.states()
     gravity = rms(states.holding)
     three, many = design(THREE)[1], design(MANY)[1]
     peaks = [_reduction(_peak(dyad)) for dyad in (three, many)]
@@ -298,7 +298,7 @@ def _height(dyad: Dyad, phi: np.ndarray) -> np.ndarray:
 
 def _peak(dyad: Dyad) -> float:
     """Largest unbalanced moment on 30 to 150 deg by 0.01 deg, N m."""
-    return largest(dyad.moment(link().states(over(0.01))))
+    return largest(dyad.moment(model.states(0.01)))
 
 
 def _reduction(peak: float) -> float:

@@ -1,0 +1,147 @@
+"""What cable platforms can do: equilibria, closure, tensions, clearance, stiffness."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+import equipoise as eq
+from equipoise.cables.clearance import segments
+from equipoise.errors import InfeasibleError, InputError
+
+S3 = 3**0.5
+CORNERS = ((-0.5, -S3 / 6), (0.5, -S3 / 6), (0.0, S3 / 3))
+SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+SMALL = ((-0.1, -0.05), (0.1, -0.05), (0.1, 0.05), (-0.1, 0.05))
+
+
+def sampled(k):
+    mechanism = eq.cable_platform(CORNERS)
+    law = eq.Polynomial((0.0, 1.0), degree=k - 1)
+    parts = [
+        eq.Spring(f"s{i}", eq.Reel(c), law, like="s0" if i else None) for i, c in enumerate(mechanism.platform.cables)
+    ]
+    limit = eq.Force("s0", min=1.0, over=(0.0, 1.0), samples=10 * k)
+    sweep = eq.Sweep.triangle(mechanism, CORNERS)
+    return eq.balance(mechanism, parts, sweep, objective=eq.Aim(goal="wrench"), limits=[limit])
+
+
+@pytest.fixture(scope="module")
+def fifth():
+    return sampled(5)
+
+
+@pytest.mark.parametrize(
+    ("k", "counts", "middle"),
+    [
+        (1, {"minimum": 1}, 2.59808),
+        (2, {"minimum": 1}, 2.31309),
+        (4, {"minimum": 4, "saddle": 3}, 1.16247),
+        (5, {"minimum": 6, "saddle": 9, "maximum": 4}, -0.56015),
+    ],
+)
+def test_equilibria_of_the_triangle(k, counts, middle):
+    found = eq.equilibria(sampled(k))
+    kinds = Counter(one.kind for one in found)
+    assert kinds == counts
+    assert kinds["minimum"] - kinds["saddle"] + kinds["maximum"] + kinds["corner sink"] == 1
+    centre = min(found, key=lambda one: max(abs(v) for v in one.pose.values()))
+    assert centre.stiffness == pytest.approx((middle, middle), abs=1e-5)
+
+
+def test_corners_hold_where_their_own_cable_wins():
+    """t(0) > sqrt(3) t(a) is what it takes in the equilateral triangle."""
+    found = Counter(one.kind for one in eq.equilibria(sampled(3)))
+    assert found["corner sink"] == 3
+    assert found["minimum"] - found["saddle"] + found["maximum"] + found["corner sink"] == 1
+
+
+def test_stiffness_is_the_slope_of_the_springs(fifth):
+    """K = sum t' u u' + t / l (1 - u u') for a point."""
+    pose = np.array([[0.1, 0.07]])
+    K = eq.stiffness(fifth, pose)[0]
+    plain = np.zeros((2, 2))
+    law = fifth.balancers[0].law
+    theta = np.array([fifth.values[f"s0.c{i}"] for i in range(5)])
+    for corner in CORNERS:
+        d = np.array(corner) - pose[0]
+        length = np.linalg.norm(d)
+        u = d / length
+        t, slope = (float((basis(np.array([length]))[0] @ theta)[0]) for basis in (law.force_basis, law.slope_basis))
+        plain += slope * np.outer(u, u) + t / length * (np.eye(2) - np.outer(u, u))
+    np.testing.assert_allclose(K, plain, atol=1e-7)
+
+
+def test_closure_is_the_triangle_itself():
+    mechanism = eq.cable_platform(CORNERS, limits={"x": (-1.0, 1.0), "z": (-1.0, 1.0)})
+    rng = np.random.default_rng(2)
+    poses = rng.uniform(-0.8, 0.8, (200, 2))
+    found = eq.closure(mechanism.states(eq.Sweep(poses, np.ones(200), "random")))
+    a = np.array(CORNERS)
+    side = [
+        (a[(i + 1) % 3, 0] - a[i, 0]) * (poses[:, 1] - a[i, 1])
+        - (a[(i + 1) % 3, 1] - a[i, 1]) * (poses[:, 0] - a[i, 0])
+        for i in range(3)
+    ]
+    inside = np.all(np.array(side) > 0, axis=0)
+    np.testing.assert_array_equal(found.margin > 0, inside)
+    assert len(found.outside) == (~inside).sum()
+    assert set(found.outside[0]) == {"x", "z"}
+
+
+def test_feasibility_against_a_plain_linear_program():
+    mechanism = eq.cable_platform(SQUARE, SMALL, mass=1.0, length=0.1)
+    rng = np.random.default_rng(4)
+    poses = np.array([0.1, 0.1, -0.5]) + rng.random((60, 3)) * np.array([0.8, 0.8, 1.0])
+    states = mechanism.states(eq.Sweep(poses, np.ones(60), "random"))
+    margin = eq.feasible(states, 2.0, 25.0).margin
+    W, w, _ = eq.wrench_matrix(states)
+    plain = [linprog(np.zeros(4), A_eq=W[i], b_eq=-w[i], bounds=[(2.0, 25.0)] * 4).status == 0 for i in range(60)]
+    np.testing.assert_array_equal(margin > 0, plain)
+    assert 0 < sum(plain) < 60
+    with pytest.raises(InputError, match="above t_max"):
+        eq.feasible(states, 9.0, 2.0)
+
+
+def test_springs_take_tension_off_the_motors(fifth):
+    turn = np.linspace(0, 2 * np.pi, 80)
+    poses = 0.2 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    states = fifth.mechanism.states(eq.Sweep(poses, np.ones(80), "circle"))
+    W, w, _ = eq.wrench_matrix(states)
+    for least in ("norm", "peak"):
+        alone = eq.distribute(states, 1.0, 50.0, least=least)
+        helped = eq.distribute(states, 1.0, 50.0, design=fifth, least=least)
+        for found in (alone, helped):
+            assert found.total.min() >= 1 - 1e-6
+            assert np.abs(np.einsum("nij,nj->ni", W, found.total) + w).max() < 1e-6
+        assert helped.peak < 0.1 * alone.peak
+        assert helped.work < 0.1 * alone.work
+    norm, peak = (eq.distribute(states, 1.0, 50.0, design=fifth, least=least) for least in ("norm", "peak"))
+    assert norm.rms <= peak.rms + 1e-7
+    assert peak.peak <= norm.peak + 1e-7
+    with pytest.raises(InfeasibleError, match="no tensions from"):
+        eq.distribute(states, 1.0, 1.01)
+
+
+def test_distances():
+    a, b = np.array([[0.0, 0, 0]]), np.array([[1.0, 0, 0]])
+    assert segments(a, b, np.array([[0.5, -1, 1]]), np.array([[0.5, 1, 1]])) == pytest.approx([1.0])
+    assert segments(a, b, np.array([[2.0, 0, 0]]), np.array([[3.0, 0, 0]])) == pytest.approx([1.0])
+    assert segments(a, b, np.array([[-1.0, 1, 0]]), np.array([[2.0, 1, 0]])) == pytest.approx([1.0])
+    mechanism = eq.cable_platform(SQUARE, SMALL, mass=1.0)
+    states = mechanism.states(eq.Sweep.of_poses(mechanism, [{"x": 0.5, "z": 0.5}]))
+    found = eq.clearance(states)
+    pair, near = found.closest
+    assert near == pytest.approx(0.1)
+    assert pair in found.pairs
+    assert min(float(d.min()) for d in found.platform.values()) == pytest.approx(0.1, abs=0.02)
+
+
+def test_sag():
+    # 20 g/m over 4 m: 1 mm of sag needs mu g L^2 / 8 s.
+    assert eq.sag_tension(0.02, 4.0, 1e-3) == pytest.approx(0.02 * 9.81 * 16 / 0.008)
+    with pytest.raises(InputError, match="not flat"):
+        eq.sag_tension(0.02, 1.0, 0.2)
