@@ -19,7 +19,6 @@ from equipoise.mechanism import Mechanism
 from equipoise.states import States
 from equipoise.units import Angle, Length, Mass, Number
 
-
 CLOSE = 1e-3
 """How near to the end of its reach, in rods, a rod that `shape` chooses may come."""
 
