@@ -57,10 +57,12 @@ LAWS = {
     "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
     "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),
     "gas_given": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, pressure=2e6, exponent=1.2, action="pull"),
-    "gas_real": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=eq.Nitrogen(at=17e6)),
-    "hydro_pneumatic": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=eq.Nitrogen(0.5, at=15e6)),
+    "gas_real": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=eq.Nitrogen(at=17e6), temperature=302.0),
+    "hydro_pneumatic": eq.HydroPneumatic(
+        3e-4, 1.4e-3, 1e-3, 0.4, exponent=eq.Nitrogen(0.5, at=15.5e6), temperature=302.0
+    ),
     "hydro_pneumatic_gauge": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=1.3, action="pull", reading="gauge"),
-    "hydro_pneumatic_given": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, precharge=1e7),
+    "hydro_pneumatic_given": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, precharge=1.01e7, temperature=302.0),
     "bspline": eq.BSpline((0.05, 1.6), pieces=4),
     "polynomial": eq.Polynomial((0.05, 1.6), degree=5),
     "polynomial_given": eq.Polynomial((0.05, 1.6), degree=2, coefficients=(30.0, 8.0, -2.0)),
@@ -254,6 +256,28 @@ def test_geometry_derivatives_are_exact(posed, path, law):
         assert isinstance(unit_of([part], name), str)
 
 
+@pytest.mark.parametrize("law", [name for name in LAWS if not name.startswith(("constant", "linear"))])
+def test_laws_follow_their_own_numbers_exactly(posed, law):
+    """Complex step against differences, for force and energy, in every number that `shape` may free."""
+    mech, states, _, _ = posed["spatial"]
+    part = eq.Spring("b", PATHS["between"](mech), LAWS[law])
+    names = [f"b.law.{field.name}" for field in fields(part.law) if isinstance(getattr(part.law, field.name), float)]
+    names += [f"b.law.interval.{end}" for end in (0, 1) if law == "polynomial"]
+    here = np.array([read([part], name) for name in names])
+    theta = np.linspace(1.0, 2.0, len(part.unknowns))
+    steps = here + 1j * STEP * np.abs(here) * np.eye(len(names))
+    for goal in ("hold", "storage"):
+        exact = candidates([part], names, steps)[0].effort(states, goal).at(theta).imag / STEP
+        for index, name in enumerate(names):
+            if name == "b.law.exponent" and here[index] == 1.0:  # differences would leave 1..2
+                continue
+            h = 1e-6 * abs(here[index])
+            sides = [write([part], {name: here[index] + s})[0].effort(states, goal).at(theta) for s in (h, -h)]
+            slope = (sides[0] - sides[1]) / 2e-6
+            size = max(1.0, np.abs(sides[0]).max())
+            np.testing.assert_allclose(exact[index], slope, atol=2e-9 * size, err_msg=name)
+
+
 def test_candidates_are_the_geometries_one_by_one(posed):
     mech, states, _, _ = posed["spatial"]
     part = eq.Spring("b", PATHS["between"](mech), eq.Coil(free_length=0.1, k=500.0), mass=0.4)
@@ -281,11 +305,23 @@ LIMITS = {
 }
 
 
+LIMITED = {
+    "coil": eq.Coil(free_length=None),
+    "gas": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull"),
+    "polynomial": LAWS["polynomial"],
+}
+
+
+@pytest.mark.parametrize("law", LIMITED)
 @pytest.mark.parametrize("limit", LIMITS)
-def test_limits_answer_rows_that_follow_the_geometry(posed, limit):
+def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
     """Rows are finite, as many as their right sides, and their complex-step slope is that of differences."""
     mech, states, _, _ = posed["spatial"]
-    part = eq.Spring("b", PATHS["between"](mech), eq.Coil(free_length=None))
+    part = eq.Spring("b", PATHS["between"](mech), LIMITED[law])
+    if law == "gas" and limit in ("force_over", "slope", "curvature", "convex"):
+        with pytest.raises(eq.InputError, match="is no polynomial"):
+            LIMITS[limit]().rows(Setting({"b": part}, states, lambda poses: effort(mech, [part], states)))
+        return
     name, h = "b.path.line.1.x", 1e-6
     here = read([part], name)
 

@@ -41,6 +41,7 @@ _HOME = {
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
     "Gas": "balancers.laws",
+    "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
     "Torsion": "balancers.laws",
@@ -215,6 +216,7 @@ __all__ = [
     "exact_rate_zero_free_length",
     "feasible",
     "four_bar",
+    "gas_cylinder",
     "geometry_map",
     "human_leg",
     "iterated_rates",
@@ -266,6 +268,7 @@ if TYPE_CHECKING:
         Torsion,
         WireMass,
         ZeroFreeLength,
+        gas_cylinder,
     )
     from equipoise.balancers.paths import (
         Absolute,

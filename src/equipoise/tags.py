@@ -21,6 +21,7 @@ from equipoise.balancers.laws import (
     Torsion,
     WireMass,
     ZeroFreeLength,
+    gas_cylinder,
 )
 from equipoise.balancers.paths import (
     Absolute,
@@ -107,6 +108,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "coil": Coil,
     "constant": Constant,
     "gas": Gas,
+    "gas_cylinder": gas_cylinder,
     "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,

@@ -13,7 +13,19 @@ from equipoise.parameters import tag
 from equipoise.reporting.numbers import SHOWN, place, plain, quantity, shown, sig, sort_out, span
 from equipoise.units import along_path
 
-STEPS = {"m": 0.01, "N": 10.0, "N/m": 100.0, "kg": 0.1, "kg m": 0.01, "rad": 0.0174532925, "N m": 1.0}
+STEPS = {
+    "m": 0.01,
+    "m^2": 1e-4,
+    "m^3": 1e-3,
+    "N": 10.0,
+    "N/m": 100.0,
+    "N m/rad": 1.0,
+    "Pa": 1e5,
+    "kg": 0.1,
+    "kg m": 0.01,
+    "rad": 0.0174532925,
+    "N m": 1.0,
+}
 """How far a limit is relaxed when its price is put into words, SI."""
 
 BOUND = re.compile(r"([<>]=) *(-?[\d.]+(?:e[+-]?\d+)?)")
@@ -201,12 +213,12 @@ def is_natural(active: Active) -> bool:
 
 
 def limit_words(limit: str) -> str:
-    """A limit's name with its value in mm or degrees where it is a length or an angle."""
+    """A limit's name with its value in mm, degrees, litres or bar where it is a length, an angle, a volume ..."""
 
     def convert(match: re.Match[str]) -> str:
         return quantity(float(match[1]), match[2])
 
-    return re.sub(r"(-?\d[\d.]*(?:e[+-]?\d+)?) (m|rad)(?=$|[\s);,])", convert, limit)
+    return re.sub(r"(-?\d[\d.]*(?:e[+-]?\d+)?) (m\^[23]|m|rad|Pa|K)(?=$|[\s);,])", convert, limit)
 
 
 def floor_words(design: Design) -> list[str]:

@@ -140,8 +140,12 @@ class Gas(Law):
         return self.side * self.force_at(length, values) / self.area + self.ambient
 
     def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
-        """Pressures and volumes over the lengths."""
-        return gas_details(self.pressures(length, values), self.gas_volume(length), self.ambient)
+        """Pressures and volumes over the lengths, and where a real gas's exponent was read."""
+        found = gas_details(self.pressures(length, values), self.gas_volume(length), self.ambient)
+        if isinstance(self.exponent, Nitrogen):
+            gas = self.exponent.working(self._charge.absolute)
+            found["exponent of nitrogen at, absolute"] = float(gas.at or 0.0), "Pa"
+        return found
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters; the exponent as the number that acts."""
