@@ -150,7 +150,7 @@ def over(arm, n=91):
 @pytest.mark.parametrize("action", ["pull", "push"])
 def test_a_gas_volume_that_vanishes_in_the_sweep_is_named(arm, action):
     law = eq.Gas(area=1e-3, volume=1e-5, length=0.3, action=action)
-    with pytest.raises(eq.InputError, match="spring g: it reaches .* the gas volume of its law ends at"):
+    with pytest.raises(eq.InputError, match=r"spring g: it reaches .* the gas volume of its law ends at"):
         eq.balance(arm, [eq.Spring("g", line(arm), law)], over(arm))
 
 

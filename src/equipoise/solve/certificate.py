@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -112,7 +113,7 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
 
 def _semidefinite(flat: Array) -> Array:
     """The nearest positive semidefinite matrix, flat as it came."""
-    k = int(round(len(flat) ** 0.5))
+    k = math.isqrt(len(flat))
     values, vectors = np.linalg.eigh(flat.reshape(k, k))
     return ((vectors * np.maximum(values, 0.0)) @ vectors.T).ravel()
 

@@ -16,6 +16,7 @@ def gas_cylinder(
     stroke: Length,
     retracted: Length,
     auxiliary: Volume,
+    *,
     rod: Length = 0.0,
     chamber: Literal["cap", "rod", "both"] = "cap",
     charged_length: Length | None = None,

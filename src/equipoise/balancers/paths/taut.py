@@ -208,7 +208,7 @@ def _in_plane(gap: Array, normal: Array) -> None:
 
 
 def _turned(before: Array, after: Array, node: Node) -> Array:
-    """The angle wrapped about a pulley, rad, within half a turn of the nominal one; negative where it has lifted off."""
+    """The angle wrapped about a pulley, rad, within half a turn of the nominal one; negative where lifted off."""
     assert node.normal is not None
     sense = np.sign(np.real(node.turn))
     sine = sense * (np.cross(before, after) * node.normal).sum(-1)
