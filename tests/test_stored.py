@@ -21,7 +21,7 @@ def arm():
 def agrees(mechanism, part):
     """MuJoCo's holding effort with the part in the model, against ours."""
     rng = np.random.default_rng(1)
-    poses = rng.uniform(-0.6, 0.6, (40, 2)) + np.array([0.4, 1.0])
+    poses = rng.uniform((-0.2, 0.4), (1.0, 1.6), (40, 2))
     states = mechanism.states(eq.Sweep(poses, np.ones(len(poses)), "random"))
     size = {"Pa": 1e6, "N/m": 300.0, "N": 40.0, "N m/rad": 5.0, "N m": 3.0}
     values = {unknown.name: size[unknown.unit] * (1 + 0.3 * i) for i, unknown in enumerate(part.unknowns)}

@@ -317,6 +317,7 @@ def reversals(torque: np.ndarray) -> int:
 
 def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:
     part: dict[str, Any] = {"name": wheel.name, "kind": "flywheel", "axis": wheel.normal.tolist(), "mass": wheel.mass}
+    part["ends"] = [{"body": "world", "at": [0.0, 0.0, 0.0]}]
     law = design.flywheel_law(wheel)
     if law is None:
         return part | {"inertia": wheel.inertia}

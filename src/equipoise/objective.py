@@ -29,8 +29,8 @@ class Aim:
     `force`, `moment`: the wrench of the base on the mechanism, moment about `pole` (world axes, m); `mass`: all
     that is added; `wrench`: the resultant on a platform. norm rms, peak or mean over the weighted states; joints
     that count (default all); divisor `motor` divides each joint by its motor limit, `before` everything by the
-    same norm without balancers; a cap, in the goal's unit, keeps the norm below a value instead of making it small;
-    target is the value that the finished design must reach.
+    same norm without balancers; a cap, in the goal's unit, keeps the norm below a value instead of making it
+    small; target is the value that the finished design must reach.
     """
 
     goal: str = "hold"

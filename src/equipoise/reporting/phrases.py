@@ -106,9 +106,34 @@ def law_words(part: Mapping[str, Any], balancer: Any) -> str:
 
 
 def weight_words(part: Mapping[str, Any], design: Design) -> str:
-    """`counterweight, 2.6 kg`; a mass at rounding level is none."""
+    """`counterweight, 2.6 kg`, `counter-rotor, 0.0058 kg m^2`; a mass at rounding level is none."""
+    if part["kind"] == "counter_rotor":
+        return _rotor_words(part)
+    if part["kind"] == "flywheel":
+        return _flywheel_words(part)
     wanted = part["mass"] > 1e-9 * design.mechanism.mass
     return f"counterweight, {plain(part['mass'])} kg" if wanted else "counterweight, 0 kg: it does not help here"
+
+
+def _rotor_words(part: Mapping[str, Any]) -> str:
+    sense = "against" if part["ratio"] > 0 else "along with"
+    words = f"counter-rotor, {quantity(part['inertia'], 'kg m^2')}"
+    words += f" at ratio {plain(abs(part['ratio']))} {sense} {part['body']}"
+    if part["mass"]:
+        words += f", {plain(part['mass'])} kg"
+    if "torque_reversals" in part:
+        words += f"; {part['torque_reversals']} torque reversals a run"
+        words += f", anti-backlash preload {quantity(part['preload'], 'N m', 3)}"
+    return words
+
+
+def _flywheel_words(part: Mapping[str, Any]) -> str:
+    if "speed" not in part:
+        return "flywheel on the base"
+    return (
+        f"flywheel on the base, {quantity(part['inertia'], 'kg m^2')}: up to {quantity(part['speed'], 'rad/s')}, "
+        f"{quantity(part['torque'], 'N m')}, {quantity(part['power'], 'W')}"
+    )
 
 
 def parameter_words(parameters: Mapping[str, float], units: Mapping[str, str]) -> list[str]:

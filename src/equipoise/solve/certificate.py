@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -113,7 +112,7 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
 
 def _semidefinite(flat: Array) -> Array:
     """The nearest positive semidefinite matrix, flat as it came."""
-    k = math.isqrt(len(flat))
+    k = round(len(flat) ** 0.5)
     values, vectors = np.linalg.eigh(flat.reshape(k, k))
     return ((vectors * np.maximum(values, 0.0)) @ vectors.T).ravel()
 

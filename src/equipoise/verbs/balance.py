@@ -333,7 +333,12 @@ def quadrature_error(balanced: Balanced) -> float | None:
 def is_exact(balanced: Balanced) -> bool:
     """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other states of its region."""
     task, program, theta = balanced.task, balanced.program, balanced.solution.theta
-    loads = [load for term, load in zip(program.terms, program.loads, strict=True) if term.cap is None]
+    loads = []
+    for aim in task.objective:
+        if aim.cap is None:  # what given parts have balanced already is measured by the bare mechanism
+            bare = effort(task.mechanism, (), balanced.states, aim.goal, aim.pole)
+            term = aim.term(task.mechanism, bare, balanced.states.weight, bare)
+            loads.append(float(np.abs(term.b).max()) or 1.0)
 
     def vanishes(other: Program) -> bool:
         terms = [term for term in other.terms if term.cap is None]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-from equipoise.balancers.laws.gas import ROOM, STANDARD, Gas, positive, say
+from equipoise.balancers.laws.charge import ROOM, STANDARD, positive, say
+from equipoise.balancers.laws.gas import Gas
 from equipoise.balancers.laws.nitrogen import Nitrogen
 from equipoise.errors import InputError
 from equipoise.units import Length, Number, Pressure, Temperature, Volume

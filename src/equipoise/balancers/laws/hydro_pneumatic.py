@@ -9,7 +9,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.balancers.laws.gas import LEAST, ROOM, STANDARD, Charge, Gas, gas_details, positive, say
+from equipoise.balancers.laws.charge import ROOM, STANDARD, Charge, gas_details, positive, say
+from equipoise.balancers.laws.gas import LEAST, Gas
 from equipoise.balancers.laws.law import Law, Share
 from equipoise.balancers.laws.nitrogen import Nitrogen
 from equipoise.errors import InputError
