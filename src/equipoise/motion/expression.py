@@ -47,13 +47,13 @@ def _check(node: ast.expr, where: str, depth: int) -> None:
         case ast.Constant(value=bool()):
             pass
         case ast.Constant(value=int() | float() as value) if abs(value) < 1e300:
-            return None
+            return
         case ast.Name(id=name):
             known = ["t", "T", *CONSTANTS]
             if name not in known:
                 hint = f"call it: {name}(...)" if name in FUNCTIONS else nearest(name, known)
                 raise InputError(f"the expression names {name!r}, which is no variable", where=where, hint=hint)
-            return None
+            return
         case ast.UnaryOp(op=ast.UAdd() | ast.USub(), operand=operand):
             _check(operand, where, depth + 1)
             return
