@@ -345,3 +345,12 @@ def test_files_refuse_cables_that_they_cannot_hold():
     assert (path.taut(states).wrap[:, 2] <= 0).any()
     with pytest.raises(eq.InputError, match="lifts off a pulley beside another"):
         path.install(mech.spec.copy(), "s", states)
+
+
+def test_a_heavy_spring_lies_along_one_body():
+    mech, states = arm(), at(arm(), [0.3, 0.4])
+    ends = eq.Point("world", (-0.4, 0, 0.3)), eq.Point("upper", (0.4, 0, 0)), eq.Point("fore", (0.2, 0, 0))
+    spring = eq.Spring("s", eq.Cable(ends, offset=-0.2), eq.Linear(), mass=0.5)
+    spring.check(mech)
+    with pytest.raises(eq.InputError, match="first run leads from world to upper"):
+        spring.effort(states, "hold")
