@@ -19,6 +19,7 @@ from equipoise.parameters import candidates, read, unit_of, write
 from equipoise.solve.exchange import solve
 from equipoise.solve.program import Norm, Program
 from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, distinct, linearise, screen, spread_out
+from equipoise.solve.sharpen import sharpen
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
@@ -85,6 +86,7 @@ def shape(
         settle(search.at(optima.best.gamma))
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
     search, best = _refine(search, optima.best, load)
+    best = sharpen(search.builder(mechanism.states(search.task.sweep)), freedoms, best)
     rounds = 0
     while True:
         best, rounds = _spare(search, best, load), rounds + 1
