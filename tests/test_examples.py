@@ -128,6 +128,8 @@ def test_leg_orthosis(table, total, arm, tmp_path):
 
 def test_crank_slider():
     """The peak by plain trigonometry, and no neighbour of the design does better."""
+    began = load_problem(EXAMPLES / "crank_slider.yaml").balancers[0].path
+    assert (began.crank, began.rod) == pytest.approx((0.131856, 0.526384), abs=5e-5)
     design = run("crank_slider")
     names = ("s.path.crank", "s.path.rod", "s.path.phase")
     best = np.array([design.geometry[name] for name in names])

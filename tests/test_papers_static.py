@@ -177,9 +177,8 @@ def test_a_real_lower_spring_takes_the_mean_pull(k2, norm, push, value, high):
     [(za.PRINTED, 195.937, 3.578, 1.718), (za.THREE, 221.617, 2.0969, 0.98285), (za.MANY, 234.226, 2.39505, 0.980694)],
 )
 def test_the_signed_sum_to_the_letter(positions, energy, peak, rms):
-    found = za.best_energy(za.at(*positions), za.signed_sum)
+    found, dyad = za.best_energy(positions, za.signed_sum)
     assert found == pytest.approx(energy, abs=6e-4)
-    dyad = za.synthesis(za.at(*positions), found)
     moment = dyad.moment(za.link().states(za.over(0.05)))
     assert za.largest(moment) == pytest.approx(peak, rel=3e-4)
     assert za.rms(dyad.moment(za.link().states(za.over()))) == pytest.approx(rms, rel=3e-4)

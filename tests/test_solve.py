@@ -6,13 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import linprog, lsq_linear, nnls
+from scipy.optimize import least_squares, linprog, lsq_linear, nnls
 
 from equipoise.affine import Unknown
 from equipoise.errors import InfeasibleError
 from equipoise.solve.certificate import certify
 from equipoise.solve.exchange import solve
 from equipoise.solve.program import NORMS, Program, Rows, Term
+from equipoise.solve.shape import Freedom, Local
+from equipoise.solve.sharpen import sharpen
 
 
 def problem(norm, *, seed=0, n=300, rows=3, p=4, sizes=None, bounded=False, limited=False):
@@ -165,3 +167,28 @@ def test_a_cap_binds_a_program_that_has_nothing_to_find():
     assert found.excess == pytest.approx(0.5, rel=1e-6)
     with pytest.raises(InfeasibleError):
         solve(Program((), (saving, kept)))
+
+
+def test_the_least_rms_of_a_curved_family_has_all_its_digits():
+    """Frequency and phase of a sine with noise: SciPy's least squares to 1e-9, from a start 1e-3 away."""
+    x = np.linspace(0, 3, 40)
+    y = np.sin(1.7 * x + 0.3) + 0.3 * np.cos(9 * x)
+
+    def build(gamma):
+        b = np.sin(gamma[:, :1] * x + gamma[:, 1:]) - y
+        term = Term("fit", "rms", b[..., None], np.zeros((1, 40, 1, 0)), np.full(40, 1 / 40), (1,))
+        return Program((), (term,))
+
+    def residual(gamma):
+        return np.sin(gamma[0] * x + gamma[1]) - y
+
+    best = least_squares(residual, (1.7, 0.3), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    freedoms = (Freedom("a", "", 1.0, 3.0), Freedom("b", "", -1.0, 1.0))
+    start = best.x + 1e-3
+    near = Local(start, 0.0, 0.0, 1.0, solve(build(start[None]).take(0)), np.zeros(2))
+    found = sharpen(build, freedoms, near)
+    assert found.gamma == pytest.approx(best.x, abs=1e-8)
+    assert found.merit == pytest.approx(np.sqrt(2 * best.cost / 40), rel=1e-13)
+    # A bound in the way holds its parameter.
+    held = sharpen(build, (Freedom("a", "", 1.0, float(start[0])), freedoms[1]), near)
+    assert held.gamma[0] == start[0]

@@ -227,7 +227,7 @@ def descend(
             predicted = here.merit - (trial.objective + price * trial.excess)
             there = inner(np.clip(here.gamma + trial.theta[count:], low, high), here.solution.working)
             if predicted <= precision * load:
-                here = there if here.merit - there.merit > 0.5 * predicted > 1e-13 * load else here
+                here = there if here.merit - there.merit > 0.05 * predicted > 1e-13 * load else here
                 break
             ratio = (here.merit - there.merit) / predicted
             if ratio < BENT:

@@ -19,6 +19,7 @@ from equipoise.parameters import candidates, read, unit_of, write
 from equipoise.solve.exchange import solve
 from equipoise.solve.program import Norm, Program
 from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, distinct, linearise, screen, spread_out
+from equipoise.solve.sharpen import sharpen
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
@@ -90,7 +91,8 @@ def shape(
     if optima.best.excess > 1e-6:
         settle(search.at(optima.best.gamma))
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
-    search, best, balanced = _refine(search, optima.best, load)
+    best = sharpen(search.builder(states), freedoms, optima.best)
+    search, best, balanced = _refine(search, best, load)
     best, balanced = _spare(search, best, balanced, load)
     balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)

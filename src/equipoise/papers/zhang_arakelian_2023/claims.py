@@ -99,7 +99,7 @@ def _synthesis() -> list[Claim]:
     energy, dyad = design(THREE)
     states = at(*THREE)
     closure = dyad.height(states) - model.heights(states, energy)
-    flat = synthesis(at(60.0, 90.0, 120.0), 180.0)
+    flat = synthesis((60.0, 90.0, 120.0), 180.0)
     domain = MOMENT * (1 + math.cos(math.radians(30)))
     return [
         P.sentence(
@@ -130,8 +130,8 @@ def _moments() -> list[Claim]:
     def gap(**slips: bool) -> float:
         return largest(moment_as_printed(dyad, states.driven[:, 0], **slips) - true)
 
-    literal = synthesis(at(*MANY), model.best_energy(at(*MANY), signed_sum))
-    other = synthesis(at(*MANY), model.best_energy(at(*MANY), rms)).moment(states)
+    literal = model.best_energy(MANY, signed_sum)[1]
+    other = model.best_energy(MANY, rms)[1].moment(states)
     return [
         P.sentence(
             "Eq. 24 gives the slider's height",

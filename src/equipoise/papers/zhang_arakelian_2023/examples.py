@@ -33,8 +33,8 @@ def example_claims() -> list[Claim]:
 
 def _three_positions() -> list[Claim]:
     energy, dyad = design(THREE)
-    plain = synthesis(at(*PRINTED), 184.0)
-    literal = model.best_energy(at(*PRINTED), signed_sum)
+    plain = synthesis(PRINTED, 184.0)
+    literal = model.best_energy(PRINTED, signed_sum)[0]
     positions = f"positions 30, 90, 150 deg, not 30, 60, 120; {CRITERION}"
     gravity = largest(at(*MANY).holding)
     peak, mirrored = _peak(dyad), _peak(Dyad(dyad.r, dyad.l, -dyad.beta))
@@ -61,8 +61,7 @@ def _many_positions() -> list[Claim]:
     energy, dyad = design(MANY)
     first = design(THREE)[1]
     states = model.states()
-    judged = model.best_energy(at(*MANY), signed_sum)
-    literal = synthesis(at(*MANY), judged)
+    judged, literal = model.best_energy(MANY, signed_sum)
     peak, mirrored = _peak(dyad), _peak(Dyad(dyad.r, dyad.l, -dyad.beta))
     deg = math.degrees
     twice = float(Decimal(f"{dyad.r:.4f}").quantize(Decimal("0.001"), ROUND_HALF_UP))

@@ -15,13 +15,11 @@ from equipoise.papers.zhang_arakelian_2023.model import (
     MANY,
     THREE,
     Dyad,
-    at,
     design,
     largest,
     link,
     over,
     rms,
-    synthesis,
 )
 from equipoise.reporting.numbers import quantity
 
@@ -51,8 +49,7 @@ def _published(norm: Norm) -> float:
 
 def _family(positions: tuple[float, ...], words: str) -> Improvement:
     states = model.states()
-    energy = model.best_energy(at(*positions), rms, states)
-    dyad = synthesis(at(*positions), energy)
+    energy, dyad = model.best_energy(positions, rms, 1.0)
     moment = dyad.moment(states)
     return Improvement(
         what=f"energy C of the linear synthesis, {words}",

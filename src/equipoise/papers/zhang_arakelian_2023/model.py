@@ -66,19 +66,18 @@ class Dyad:
         return self.spring().path.deform(states)[0]
 
 
-def heights(states: eq.States, energy: float, sign: float = -1.0) -> Array:
-    """Slider heights y_i (N,) that keep the energy constant, Eqs. 5 to 7; the minus sign makes the spring push."""
+def heights(states: eq.States, energy: float) -> Array:
+    """Slider heights y_i (N,) that keep the energy constant, Eqs. 5 to 7 with the minus sign: the spring pushes."""
     gravity = MOMENT * (1 + np.cos(states.driven[:, 0]))
-    return FREE + sign * np.sqrt((2 * energy - 2 * gravity) / K)
+    return FREE - np.sqrt((2 * energy - 2 * gravity) / K)
 
 
-def synthesis(states: eq.States, energy: float, sign: float = -1.0) -> Dyad:
-    """Eqs. 12 to 19 with hypot and atan2, least squares where there are more than three positions."""
-    y, phi = heights(states, energy, sign), states.driven[:, 0]
-    system = np.stack([2 * y * np.cos(phi), 2 * y * np.sin(phi), np.ones_like(y)], axis=1)
-    z = np.linalg.lstsq(system, y * y, rcond=None)[0]
-    r = float(np.hypot(z[0], z[1]))
-    return Dyad(r, float(np.sqrt(z[2] + r * r)), float(np.arctan2(z[1], z[0])))
+def synthesis(positions: tuple[float, ...], energy: float) -> Dyad:
+    """The dyad of section III for prescribed positions, deg."""
+    prescribed = eq.Prescribed(tuple(np.radians(positions).tolist()), energy=energy)
+    path = prescribed.apply(link(), Dyad(0.1, 0.5, 0.0).spring(), over()).path
+    assert isinstance(path, eq.SliderCrank)
+    return Dyad(path.crank, path.rod, -path.phase)
 
 
 def largest(moment: Array) -> float:
@@ -96,19 +95,25 @@ def signed_sum(moment: Array) -> float:
     return float(np.abs(moment.sum()))
 
 
-def best_energy(positions: eq.States, judge: Callable[[Array], float], judged: eq.States | None = None) -> float:
-    """The energy C, J, whose dyad makes judge(moments) least at the positions, or at other states where given."""
+@functools.cache
+def best_energy(
+    positions: tuple[float, ...], judge: Callable[[Array], float], step: float | None = None
+) -> tuple[float, Dyad]:
+    """The energy C, J, whose dyad makes judge(moments) least, and that dyad.
+
+    Judged at the prescribed positions, or on 30 to 150 deg in steps of `step` deg.
+    """
     from scipy.optimize import minimize_scalar
 
-    where = positions if judged is None else judged
+    where = at(*positions) if step is None else states(step)
 
     def cost(energy: float) -> float:
         return judge(synthesis(positions, energy).moment(where))
 
-    scan = np.linspace(*ENERGIES, 61)
-    best, step = min(scan.tolist(), key=cost), scan[1] - scan[0]
-    found = minimize_scalar(cost, bounds=(best - step, best + step), method="bounded", options={"xatol": 1e-9})
-    return float(found.x)
+    scan = np.linspace(*ENERGIES, 13)
+    best, width = min(scan.tolist(), key=cost), scan[1] - scan[0]
+    found = minimize_scalar(cost, bounds=(best - width, best + width), method="bounded", options={"xatol": 1e-8})
+    return float(found.x), synthesis(positions, float(found.x))
 
 
 ENERGIES = (140.0, 260.0)
@@ -117,8 +122,6 @@ PRINTED = (30.0, 60.0, 120.0)
 MANY = tuple(float(angle) for angle in range(30, 151))
 
 
-@functools.cache
 def design(positions: tuple[float, ...]) -> tuple[float, Dyad]:
     """Energy and dyad for prescribed positions by the least largest moment at them, which gives the paper's digits."""
-    energy = best_energy(at(*positions), largest)
-    return energy, synthesis(at(*positions), energy)
+    return best_energy(positions, largest)
