@@ -44,3 +44,33 @@ def test_every_public_name_answers(name):
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'Sprig'"):
         eq.Sprig  # noqa: B018
+
+
+HEAVY = ("clarabel", "ezdxf", "highspy", "matplotlib", "mujoco", "numpy", "pint", "pydantic", "ruamel", "scipy")
+SOLVERS = ("clarabel", "ezdxf", "highspy", "matplotlib", "pint", "scipy.interpolate", "scipy.optimize", "scipy.stats")
+HELP = """
+import contextlib, io
+from equipoise.cli import main
+sys.argv = ["equipoise", "--help"]
+with contextlib.redirect_stdout(io.StringIO()) as said, contextlib.suppress(SystemExit):
+    main()
+assert "design" in said.getvalue()
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "absent"),
+    [
+        pytest.param("import equipoise", (*HEAVY, "rich", "typer"), id="import equipoise"),
+        pytest.param(HELP, HEAVY, id="equipoise --help"),
+        pytest.param("import equipoise.problem", SOLVERS, id="import equipoise.problem"),
+    ],
+)
+def test_what_is_not_imported_before_it_is_used(code, absent):
+    report = "\nprint(*sorted(set(sys.modules)))"
+    run = subprocess.run(
+        [sys.executable, "-c", "import sys\n" + code + report], capture_output=True, text=True, check=True
+    )
+    loaded = set(run.stdout.split())
+    assert "equipoise" in loaded
+    assert not loaded & set(absent)

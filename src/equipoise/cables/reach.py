@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linprog
 
 from equipoise.affine import Array
 from equipoise.cables.wrench import wrench_matrix
@@ -71,6 +70,8 @@ def _even(W: Array, w: Array, low: float, high: float, count: int) -> float:
     closing = low == 0.0 and high == 1.0 and not w.any()
     upper = np.hstack([np.eye(count), np.zeros((count, 1)) if closing else np.ones((count, 1))])
     lower = np.hstack([-np.eye(count), np.ones((count, 1))])
+    from scipy.optimize import linprog
+
     found = linprog(
         np.append(np.zeros(count), -1.0),
         A_ub=np.vstack([upper, lower]),

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 
 from equipoise.affine import Array
 from equipoise.assemble import effort
@@ -89,6 +88,8 @@ def arm_curve(
             hint="narrow the range so that gravity pulls one way",
         )
     sign = np.sign(torque[0])
+    from scipy.interpolate import make_interp_spline
+
     spline = make_interp_spline(q, np.abs(torque), k=5)
     # Where the torque is positive energy grows with q, and the spring's shrinks: run from the far end.
     travel = high - q[::-1] if sign > 0 else q - low
