@@ -15,8 +15,8 @@ from equipoise.balancers.laws.nitrogen import Nitrogen
 from equipoise.errors import InputError
 from equipoise.units import Area, Length, Number, Pressure, Temperature, Volume
 
-LEAST = 1e-3
-"""Share of the reference volume below which the law is carried on unchanged, so that searches stay finite."""
+LEAST = 1e-2
+"""Share of the reference volume below which the pressure stays as it is, so that searches stay finite."""
 
 
 @dataclass(frozen=True)
@@ -122,17 +122,18 @@ class Gas(Law):
 
     def per_pascal(self, length: Array) -> tuple[Share, Share]:
         """Force, energy and rate per Pa of absolute P0 and per Pa of ambient pressure."""
-        volume = self.gas_volume(length)
-        least = LEAST * np.abs(np.real(self.volume)) + 0.0 * np.real(volume)
-        volume = np.where(np.real(volume) > least, volume, least)
+        real = self.gas_volume(length)
+        least = LEAST * np.abs(np.real(self.volume)) + 0.0 * np.real(real)
+        inside = np.real(real) > least
+        volume = np.where(inside, real, least)
         push = self.side * self.area
         (n, _), heat = self.exponents(), self.warmth()
         ratio, work = polytrope(self.volume / volume, n)
-        gas = Share(
-            "gas", "Pa", None, push * heat * ratio, heat * self.volume * work, push**2 * heat * n * ratio / volume
-        )
-        one = np.ones_like(volume)
-        return gas, Share("air", "Pa", None, -push * one, volume - self.volume, 0.0 * one)
+        energy = heat * (self.volume * work + ratio * (volume - real))
+        slope = np.where(inside, push**2 * heat * n * ratio / volume, 0.0)
+        gas = Share("gas", "Pa", None, push * heat * ratio, energy, slope)
+        one = np.ones_like(real)
+        return gas, Share("air", "Pa", None, -push * one, real - self.volume, 0.0 * one)
 
     def pressures(self, length: Array, values: Mapping[str, float]) -> Array:
         """Absolute pressure P (N,), Pa, at lengths (N,), m."""
