@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -168,3 +169,143 @@ def test_momentum_and_its_rate_agree(bar, turn):
         stored, rate = effort(bar, (), states.momenta, goal).b, effort(bar, (), states, goal).b
         slope = make_interp_spline(time, stored, k=5)(time, 1)
         np.testing.assert_allclose(slope[20:-20], rate[20:-20], atol=1e-6 * np.abs(rate).max())
+
+
+def robots():
+    links = [
+        eq.Link("turret", length=0.2, mass=2.0, axis=(0, 0, 1)),
+        eq.Link("boom", length=0.5, mass=3.0, com=(0.2, 0.03, 0.05)),
+        eq.Link("slide", length=0.3, mass=1.0, joint="slide", axis=(1, 0, 0), at=(0.3, 0.0, 0.0), stroke=(0.0, 0.3)),
+        eq.Link("hand", length=0.2, mass=0.7, axis=(0, 0.6, 0.8)),
+    ]
+    spatial = eq.chain(links, name="spatial")
+    drivers = {
+        "turret_joint": "0.4*sin(9*t)",
+        "boom_joint": eq.Cycloidal(-0.3, 0.8),
+        "slide_joint": eq.TimeSpline((0.0, 0.3, 0.7), (0.05, 0.2, 0.1)),
+        "hand_joint": eq.TimePolynomial((0.1, 0.0, 0.8, -0.3)),
+    }
+    bar = eq.four_bar(0.4, 0.15, 0.35, 0.3, masses=(1.0, 2.0, 1.5), coms=(0.07, (0.2, 0.05), 0.15))
+    return {"spatial": (spatial, drivers, 0.7), "four_bar": (bar, {"crank_joint": "3*t + sin(2*t)**2"}, 1.5)}
+
+
+def parts(name):
+    body = {"spatial": "hand", "four_bar": "coupler"}[name]
+    found = [
+        eq.Counterweight("point", eq.Point(body, (0.03, 0.02, 0.05)), mass=0.4),
+        eq.Counterweight("disc", eq.Point(body, (-0.1, 0.0, 0.02)), mass=0.8, shape=eq.Disc(0.05, thickness=0.02)),
+        eq.Spring(
+            "s", eq.Line(eq.Point("world", (0.1, 0.2, 0.6)), eq.Point(body, (0.1, 0, 0))), eq.ZeroFreeLength(k=90)
+        ),
+    ]
+    if name == "four_bar":
+        found.append(eq.CounterRotor("rotor", "rocker", ratio=2.0, inertia=0.004, mass=0.3, at=eq.Point("world")))
+        found.append(eq.CounterRotor("belt", "coupler", ratio=-1.5, inertia=0.002, mass=0.2, at=eq.Point("crank")))
+    return found
+
+
+@pytest.mark.parametrize("name", ["spatial", "four_bar"])
+def test_mujoco_inverse_dynamics_of_the_model_with_its_parts_agrees(name):
+    """MuJoCo's recursive Newton-Euler on a model with the parts in it, at our postures, velocities, accelerations."""
+    mechanism, drivers, duration = robots()[name]
+    states = mechanism.states(eq.Sweep.motion(mechanism, drivers, duration=duration, samples=40))
+    added = parts(name)
+    spec = mechanism.spec.copy()
+    for part in added:
+        part.install(spec, {}, states)
+    model = spec.compile()
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    ours = {goal: effort(mechanism, added, states, goal).b for goal in ("drive", "force", "moment")}
+    scale = {goal: np.abs(rows).max() for goal, rows in ours.items()}
+    weight = model.body_mass.sum() * model.opt.gravity
+    for row in range(0, 40, 3):
+        data = mujoco.MjData(model)
+        slope = np.zeros((model.nv, len(mechanism.driven)))
+        for index in range(mechanism.model.njnt):
+            joint = model.joint(mechanism.model.joint(index).name)
+            data.qpos[joint.qposadr[0]] = states.kin.q[row, mechanism.model.jnt_qposadr[index]]
+            dof = mechanism.model.jnt_dofadr[index]
+            data.qvel[joint.dofadr[0]] = states.rates.velocity[row, dof]
+            data.qacc[joint.dofadr[0]] = states.rates.acceleration[row, dof]
+            slope[joint.dofadr[0]] = states.D[row % len(states.D), dof]
+        if name == "four_bar":
+            _turn_rotors(model, data, slope)
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        result = np.zeros(model.nv)
+        mujoco.mj_rne(model, data, 1, result)
+        np.testing.assert_allclose(
+            slope.T @ (result - data.qfrc_spring), ours["drive"][row], atol=1e-9 * scale["drive"]
+        )
+        stiffness = model.tendon_stiffness.copy()
+        model.tendon_stiffness[:] = 0.0  # what a spring pulls at the base it gives back at its other end
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_rnePostConstraint(model, data)
+        model.tendon_stiffness[:] = stiffness
+        base = np.zeros(6)
+        for body in np.flatnonzero(model.body_parentid == 0)[1:]:
+            moment, force = data.cfrc_int[body, :3], data.cfrc_int[body, 3:]
+            base += np.r_[force, moment + np.cross(data.subtree_com[model.body_rootid[body]], force)]
+        pull = np.cross(data.subtree_com[0], weight)
+        np.testing.assert_allclose(base[:3] + weight, ours["force"][row], atol=1e-9 * scale["force"])
+        np.testing.assert_allclose(base[3:] + pull, ours["moment"][row], atol=1e-9 * scale["moment"])
+
+
+def _turn_rotors(model, data, slope):
+    """The rotors' joints follow rocker and coupler: -2 rocker; 1.5 times the coupler relative to the crank."""
+    for rotor, ratio, joint in (("rotor_joint", -2.0, "rocker_joint"), ("belt_joint", 1.5, "coupler_joint")):
+        mine, other = model.joint(rotor), model.joint(joint)
+        data.qpos[mine.qposadr[0]] = ratio * data.qpos[other.qposadr[0]]
+        for array in (data.qvel, data.qacc, slope):
+            array[mine.dofadr[0]] = ratio * array[other.dofadr[0]]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("__import__('os')", "there is no function"),
+        ("(lambda: t)()", "outside the grammar"),
+        ("t.real", "outside the grammar"),
+        ("x + 1", "no variable"),
+        ("sin t", "cannot read"),
+        ("foo(t)", "there is no function"),
+        ("log(t - 1)", "is nan at t = 0"),
+        ("sqrt(t)", "velocity of"),
+        ("[t]", "outside the grammar"),
+        ("t if t else 1", "outside the grammar"),
+        ("True", "outside the grammar"),
+    ],
+)
+def test_expressions_outside_the_grammar_are_refused(bar, text, words):
+    with pytest.raises(eq.InputError, match=words):
+        eq.Sweep.motion(bar, {"crank_joint": text}, duration=1.0)
+
+
+def test_expressions_are_differentiated_exactly(bar):
+    text = "exp(-t)*sin(3*t)**2/(1 + t**2) + atan(2*t) - cosh(t/T)**1.5 + 2**t"
+    motion = eq.Sweep.motion(bar, {"crank_joint": text}, duration=2.0).instants.motion
+    t = np.linspace(0.3, 1.7, 9)
+    _, velocity, acceleration = motion.at(t)
+    h = 1e-4
+    (ahead, dv, _), (behind, wv, _) = motion.at(t + h), motion.at(t - h)
+    np.testing.assert_allclose(velocity, (ahead - behind) / (2 * h), atol=1e-5)
+    np.testing.assert_allclose(acceleration, (dv - wv) / (2 * h), atol=1e-5)
+
+
+def test_a_recorded_motion(bar, tmp_path):
+    file = tmp_path / "turn.csv"
+    time = np.linspace(0.0, T, 241)
+    rows = "\n".join(f"{1e3 * t!r},{360 * t / T!r}" for t in time.tolist())
+    file.write_text(f"time [ms],crank_joint [deg]\n{rows}\n")
+    design = eq.analyze(bar, eq.Sweep.motion(bar, file))
+    assert design.rows["force"].rms == pytest.approx(58.9447, rel=1e-5)
+    file.write_text("time,crank_joint\n0,0\n0.1,0.2\n0.1,0.3\n")
+    with pytest.raises(eq.InputError, match="time does not increase"):
+        eq.Sweep.motion(bar, file)
+
+
+def test_a_motion_that_meets_a_singularity_says_when():
+    rocker = eq.four_bar(0.4, 0.3, 0.25, 0.2, masses=(1.0, 1.0, 1.0))
+    sweep = eq.Sweep.motion(rocker, {"crank_joint": "0.8 + 3*t"}, duration=1.0)
+    with pytest.raises(eq.LoopError, match=r"the motion stops at t = 0\.\d+ s"):
+        rocker.states(sweep)

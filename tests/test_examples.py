@@ -78,7 +78,8 @@ def test_mass_table_arm():
     assert design.values["tail.m"] == pytest.approx((m2 * c2 + load * l2 / 2) / 0.12, rel=1e-4)
     upper, fore = design.after["upper_arm_joint"], design.after["forearm_joint"]
     assert upper.sample_peak / 60 <= fore.sample_peak / 20 * (1 + 1e-6)
-    assert upper.peak / 60 <= fore.peak / 20 * (1 + 1e-4)
+    # The grid is taken as it is: between its points, 4 degrees apart, the torque is a little higher.
+    assert upper.peak / 60 <= fore.peak / 20 * (1 + 5e-4)
     assert verify(design, poses=500).verification.agrees
 
 
@@ -176,3 +177,13 @@ def test_quaglia_gas():
     assert design.after["link2_joint"].peak >= 5 * 9.8 * abs(1.05 + 0.12j) * (1 - 1e-3)
     assert not design.missed
     assert verify(design, poses=500).verification.agrees
+
+
+def test_four_bar_balance():
+    """The optimum that SciPy's SLSQP finds too."""
+    design = run("four_bar_balance")
+    reached = [design.reached(aim) for aim in design.objective]
+    assert reached[:3] == pytest.approx([0.49182, 0.60044, 1.14985], abs=1e-5)
+    assert sum(reached[:3]) == pytest.approx(2.24210952, abs=1e-8)
+    assert reached[3] == pytest.approx(0.75, rel=1e-6)
+    assert design.certificate.gap < 1e-8

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -224,15 +224,23 @@ class Design:
         """Keys in references.bib of what the design relies on."""
         keys = ["mujoco", "clarabel"]
         for balancer in self.balancers:
-            keys += list(getattr(type(balancer), "sources", ()))
-            keys += list(getattr(type(getattr(balancer, "law", None)), "sources", ()))
-            keys += list(getattr(type(getattr(balancer, "mass", None)), "sources", ()))
+            keys += _sources(balancer)
         return list(dict.fromkeys(keys))
 
     def __str__(self) -> str:
         from equipoise.reporting.words import summary
 
         return summary(self)
+
+
+def _sources(item: Any) -> list[str]:
+    """The sources that a balancer and all it is made of name."""
+    if isinstance(item, tuple):
+        return [key for entry in item for key in _sources(entry)]
+    if not is_dataclass(item):
+        return []
+    inner = [key for part in fields(item) for key in _sources(getattr(item, part.name))]
+    return [*getattr(type(item), "sources", ()), *inner]
 
 
 def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
@@ -309,6 +317,7 @@ def reversals(torque: np.ndarray) -> int:
 
 def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:
     part: dict[str, Any] = {"name": wheel.name, "kind": "flywheel", "axis": wheel.normal.tolist(), "mass": wheel.mass}
+    part["ends"] = [{"body": "world", "at": [0.0, 0.0, 0.0]}]
     law = design.flywheel_law(wheel)
     if law is None:
         return part | {"inertia": wheel.inertia}

@@ -18,7 +18,8 @@ from equipoise.errors import ProblemError
 from equipoise.floors import Floor
 from equipoise.parameters import unit_of, write
 from equipoise.problem import Problem, problem_of
-from equipoise.verbs.analyze import Account, table
+from equipoise.steepness import Account
+from equipoise.verbs.analyze import before_and_after
 from equipoise.yamlfile import Document
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -60,6 +61,7 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         return lambda other: account(problem.mechanism, parts, other, problem.objective, ordered)
 
     mechanism, sweep = problem.mechanism, problem.sweep
+    before, after = before_and_after(mechanism, sweep, states, told(()), told(balancers))
     design = Design(
         mechanism=mechanism,
         balancers=balancers,
@@ -69,8 +71,8 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         limits=problem.limits,
         values=ordered,
         units={u.name: u.unit for u in unknowns} | {g: unit_of(balancers, g) for g in geometry},
-        before=table(mechanism, sweep, states, told(())),
-        after=table(mechanism, sweep, states, told(balancers)),
+        before=before,
+        after=after,
         certificate=_certificate(data.get("certificate"), name),
         geometry=geometry,
         bounds={parameter: problem.bounds[parameter] for parameter in geometry},

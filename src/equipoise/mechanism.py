@@ -14,7 +14,8 @@ import numpy as np
 from mujoco.batch import Batch
 
 from equipoise.affine import Affine, Array, Block
-from equipoise.errors import InputError, ModelError, nearest
+from equipoise.errors import InputError, nearest
+from equipoise.models.notices import errors, refusals
 from equipoise.units import Acceleration
 
 if TYPE_CHECKING:
@@ -203,7 +204,8 @@ class Mechanism:
         kept["qpos"][:count] = q
         kept["qvel"][:count] = 0.0 if velocity is None else velocity
         stage = int(mujoco.mjtStage.mjSTAGE_VEL)
-        kept["batch"].forward(ids=np.arange(count, dtype=np.int32), stage=stage)
+        with errors(self.name):
+            kept["batch"].forward(ids=np.arange(count, dtype=np.int32), stage=stage)
         return [np.array(kept[name][:count]) for name in names]
 
     def states(self, sweep: Sweep) -> States:
@@ -242,9 +244,6 @@ class Mechanism:
 
 
 def compile_spec(spec: mujoco.MjSpec, name: str) -> mujoco.MjModel:
-    """Compile a spec; MuJoCo's own message becomes a ModelError."""
-    try:
+    """Compile a spec; MuJoCo's own message becomes a ModelError, its warnings never a log file."""
+    with refusals(name):
         return spec.compile()
-    except ValueError as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"MuJoCo refuses the model: {reason}", where=name) from None

@@ -28,9 +28,9 @@ class Aim:
     goal `hold`: holding effort of the driven joints at rest, `drive`: what their motors supply over a motion;
     `force`, `moment`: the wrench of the base on the mechanism, moment about `pole` (world axes, m); `mass`: all
     that is added; `wrench`: the resultant on a platform. norm rms, peak or mean over the weighted states; joints
-    that count (default all); divisor `motor` divides each joint by its motor limit, `before` everything by the same norm without balancers; a cap,
-    in the goal's unit, keeps the norm below a value instead of making it small; target is the value that the
-    finished design must reach.
+    that count (default all); divisor `motor` divides each joint by its motor limit, `before` everything by the
+    same norm without balancers; a cap, in the goal's unit, keeps the norm below a value instead of making it
+    small; target is the value that the finished design must reach.
     """
 
     goal: str = "hold"
@@ -68,10 +68,12 @@ class Aim:
         """Names of the driven joints, or of the goal's own rows, that count."""
         if self.goal not in JOINT_GOALS:
             return tuple(block.name for block in goal_blocks(mechanism, self.goal))
-        for joint in self.joints or ():
+        for place, joint in enumerate(self.joints or ()):
             if joint not in mechanism.driven:
                 hint = nearest(joint, mechanism.driven)
                 raise InputError(f"joint {joint!r} is not driven", where="objective.joints", hint=hint)
+            if joint in (self.joints or ())[:place]:
+                raise InputError(f"joint {joint!r} is named twice", where="objective.joints", hint="name it once")
         return self.joints or mechanism.driven
 
     def scales(self, mechanism: Mechanism) -> Array:
@@ -97,14 +99,20 @@ class Aim:
         columns, scale = self.columns(mechanism)
         sizes = tuple(block.size for block in self.blocks(mechanism))
         weight = weight / weight.sum() if effort.b.shape[-2] == len(weight) else np.ones(1)
-        if self.divisor == "before" and bare is not None:
-            known = bare.b[..., columns]
-            before = Term(self.goal, self.norm, known, np.zeros((*known.shape, 0)), weight, sizes).value(np.zeros(0))
-            if not before > 0:
-                raise InputError(f"the {self.goal} is zero before balancing", where="objective", hint="no divisor")
-            scale = scale / before
+        scale = scale / self.before(mechanism, weight, bare)
         b, A = effort.b[..., columns] * scale, effort.A[..., columns, :] * scale[:, None]
         return Term(self.goal, self.norm, b, A, weight, sizes, self.weight, self.cap)
+
+    def before(self, mechanism: Mechanism, weight: Array, bare: Affine | None) -> float:
+        """What the divisor `before` divides by: the norm without balancers; 1 for other divisors."""
+        if self.divisor != "before" or bare is None:
+            return 1.0
+        known = bare.b[..., self.columns(mechanism)[0]]
+        sizes = tuple(block.size for block in self.blocks(mechanism))
+        norm = Term(self.goal, self.norm, known, np.zeros((*known.shape, 0)), weight, sizes).value(np.zeros(0))
+        if not norm > 0:
+            raise InputError(f"the {self.goal} is zero before balancing", where="objective", hint="no divisor")
+        return float(norm)
 
     def columns(self, mechanism: Mechanism) -> tuple[NDArray[np.int_], Array]:
         """Numbers (R,) of the counted rows among the goal's, and the factor (R,) of each."""

@@ -19,6 +19,8 @@ from equipoise.momentum import FORCE, MASS, MOMENT
 from equipoise.states import States
 from equipoise.units import Inertia, Length, Mass, Number
 
+BASE = Point("world")
+
 
 @dataclass(frozen=True)
 class CounterRotor:
@@ -39,7 +41,7 @@ class CounterRotor:
     ratio: Number = 1.0
     inertia: Inertia | None = None
     gear_inertia: Inertia = 0.0
-    at: Point = Point("world")
+    at: Point = BASE
     radius: Length | None = None
     mass: Mass = 0.0
     like: str | None = None

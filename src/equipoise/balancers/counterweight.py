@@ -21,6 +21,7 @@ from equipoise.states import States
 from equipoise.units import Length, Mass
 
 MOMENTS = ("mx", "my", "mz")
+POINT = PointMass()
 SECOND = (("sxx", 0, 0), ("syy", 1, 1), ("szz", 2, 2), ("sxy", 0, 1), ("sxz", 0, 2), ("syz", 1, 2))
 
 
@@ -39,7 +40,7 @@ class Counterweight:
     at: Point
     mass: Mass | None = None
     reach: Length | None = None
-    shape: Shape = PointMass()
+    shape: Shape = POINT
     like: str | None = None
 
     @property

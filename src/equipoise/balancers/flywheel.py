@@ -92,7 +92,7 @@ class Flywheel:
         speed = stored / inertia
         return FlywheelLaw(time, inertia, torque / inertia, speed, _integral(time, speed), torque, needs)
 
-    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float], states: States) -> None:  # noqa: ARG002
+    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float], states: States) -> None:
         """Nothing at rest: the flywheel stands on the base."""
 
 

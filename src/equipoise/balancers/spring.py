@@ -120,8 +120,8 @@ class Spring:
         for bound, reached, side in zip(self.law.span, (length.min(), length.max()), (1, -1), strict=True):
             if bound is not None and side * (reached - float(bound)) < -1e-12 * abs(float(bound)):
                 raise InputError(
-                    f"spring {self.name} reaches {reached:.6g} {self.path.unit}, "
-                    f"its {self.law.span_words} ends at {float(bound):.6g} {self.path.unit}",
+                    f"it reaches {reached:.6g} {self.path.unit}, "
+                    f"the {self.law.span_words} of its law ends at {float(bound):.6g} {self.path.unit}",
                     where=f"spring {self.name}",
                     hint="move its ends, narrow the sweep, or change the law",
                 )

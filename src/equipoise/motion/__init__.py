@@ -1,6 +1,6 @@
 """Motions: drivers of joints over time with exact velocities and accelerations."""
 
-from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, Samples, TimeSpline, as_driver
+from equipoise.motion.drivers import Cycloidal, Driver, Expression, Samples, TimePolynomial, TimeSpline, as_driver
 from equipoise.motion.motion import Motion, read_motion
 
 __all__ = [
@@ -8,8 +8,8 @@ __all__ = [
     "Driver",
     "Expression",
     "Motion",
-    "TimePolynomial",
     "Samples",
+    "TimePolynomial",
     "TimeSpline",
     "as_driver",
     "read_motion",

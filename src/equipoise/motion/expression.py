@@ -47,22 +47,25 @@ def _check(node: ast.expr, where: str, depth: int) -> None:
         case ast.Constant(value=bool()):
             pass
         case ast.Constant(value=int() | float() as value) if abs(value) < 1e300:
-            return
+            return None
         case ast.Name(id=name):
             known = ["t", "T", *CONSTANTS]
             if name not in known:
                 hint = f"call it: {name}(...)" if name in FUNCTIONS else nearest(name, known)
                 raise InputError(f"the expression names {name!r}, which is no variable", where=where, hint=hint)
-            return
+            return None
         case ast.UnaryOp(op=ast.UAdd() | ast.USub(), operand=operand):
-            return _check(operand, where, depth + 1)
+            _check(operand, where, depth + 1)
+            return
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
             _check(left, where, depth + 1)
-            return _check(right, where, depth + 1)
+            _check(right, where, depth + 1)
+            return
         case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]):
             if name not in FUNCTIONS:
                 raise InputError(f"there is no function {name!r}", where=where, hint=nearest(name, list(FUNCTIONS)))
-            return _check(argument, where, depth + 1)
+            _check(argument, where, depth + 1)
+            return
     raise InputError(f"{ast.unparse(node)[:60]!r} is outside the grammar", where=where, hint=f"use {GRAMMAR}")
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import InputError, nearest
 from equipoise.mechanism import Mechanism
-from equipoise.motion.drivers import Driver, TimePolynomial, Samples, as_driver, increasing
+from equipoise.motion.drivers import Driver, Samples, TimePolynomial, as_driver, increasing
 from equipoise.posefile import held, read_columns
 
 

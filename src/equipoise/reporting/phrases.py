@@ -13,7 +13,19 @@ from equipoise.parameters import tag
 from equipoise.reporting.numbers import SHOWN, place, plain, quantity, shown, sig, sort_out, span
 from equipoise.units import along_path
 
-STEPS = {"m": 0.01, "N": 10.0, "N/m": 100.0, "kg": 0.1, "kg m": 0.01, "rad": 0.0174532925, "N m": 1.0}
+STEPS = {
+    "m": 0.01,
+    "m^2": 1e-4,
+    "m^3": 1e-3,
+    "N": 10.0,
+    "N/m": 100.0,
+    "N m/rad": 1.0,
+    "Pa": 1e5,
+    "kg": 0.1,
+    "kg m": 0.01,
+    "rad": 0.0174532925,
+    "N m": 1.0,
+}
 """How far a limit is relaxed when its price is put into words, SI."""
 
 BOUND = re.compile(r"([<>]=) *(-?[\d.]+(?:e[+-]?\d+)?)")
@@ -94,9 +106,34 @@ def law_words(part: Mapping[str, Any], balancer: Any) -> str:
 
 
 def weight_words(part: Mapping[str, Any], design: Design) -> str:
-    """`counterweight, 2.6 kg`; a mass at rounding level is none."""
+    """`counterweight, 2.6 kg`, `counter-rotor, 0.0058 kg m^2`; a mass at rounding level is none."""
+    if part["kind"] == "counter_rotor":
+        return _rotor_words(part)
+    if part["kind"] == "flywheel":
+        return _flywheel_words(part)
     wanted = part["mass"] > 1e-9 * design.mechanism.mass
     return f"counterweight, {plain(part['mass'])} kg" if wanted else "counterweight, 0 kg: it does not help here"
+
+
+def _rotor_words(part: Mapping[str, Any]) -> str:
+    sense = "against" if part["ratio"] > 0 else "along with"
+    words = f"counter-rotor, {quantity(part['inertia'], 'kg m^2')}"
+    words += f" at ratio {plain(abs(part['ratio']))} {sense} {part['body']}"
+    if part["mass"]:
+        words += f", {plain(part['mass'])} kg"
+    if "torque_reversals" in part:
+        words += f"; {part['torque_reversals']} torque reversals a run"
+        words += f", anti-backlash preload {quantity(part['preload'], 'N m', 3)}"
+    return words
+
+
+def _flywheel_words(part: Mapping[str, Any]) -> str:
+    if "speed" not in part:
+        return "flywheel on the base"
+    return (
+        f"flywheel on the base, {quantity(part['inertia'], 'kg m^2')}: up to {quantity(part['speed'], 'rad/s')}, "
+        f"{quantity(part['torque'], 'N m')}, {quantity(part['power'], 'W')}"
+    )
 
 
 def parameter_words(parameters: Mapping[str, float], units: Mapping[str, str]) -> list[str]:
@@ -201,12 +238,12 @@ def is_natural(active: Active) -> bool:
 
 
 def limit_words(limit: str) -> str:
-    """A limit's name with its value in mm or degrees where it is a length or an angle."""
+    """A limit's name with its value in mm, degrees, litres or bar where it is a length, an angle, a volume ..."""
 
     def convert(match: re.Match[str]) -> str:
         return quantity(float(match[1]), match[2])
 
-    return re.sub(r"(-?\d[\d.]*(?:e[+-]?\d+)?) (m|rad)(?=$|[\s);,])", convert, limit)
+    return re.sub(r"(-?\d[\d.]*(?:e[+-]?\d+)?) (m\^[23]|m|rad|Pa|K)(?=$|[\s);,])", convert, limit)
 
 
 def floor_words(design: Design) -> list[str]:

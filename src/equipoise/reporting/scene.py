@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Array
+from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.paths import Sketch
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
@@ -73,7 +74,7 @@ def scene(design: Design, states: States, row: int) -> Scene:
                 springs.append((number, drawn.spring[0], drawn.spring[-1]))
             for point in drawn.anchors:
                 attach(point.body, states.point(point)[0][row])
-        else:
+        elif isinstance(balancer, Counterweight):
             mass, where = balancer.place(design.values)
             body = mechanism.body_id(balancer.at.body)
             place = xpos[body] + xmat[body] @ where

@@ -131,7 +131,8 @@ def _part(part: Mapping[str, Any], balancer: object, design: Design) -> list[str
             *_labelled("", phrases.work_words(part)),
             *(_labelled("", words) if (words := phrases.stored_words(part)) else []),
         ]
-    name = f"weight {part['name']}"
+    word = {"counterweight": "weight", "counter_rotor": "rotor", "flywheel": "flywheel"}[part["kind"]]
+    name = f"{word} {part['name']}"
     return [*_labelled(name, phrases.weight_words(part, design)), *_labelled("", f"at {phrases.where_words(part)}")]
 
 

@@ -112,7 +112,7 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
 
 def _semidefinite(flat: Array) -> Array:
     """The nearest positive semidefinite matrix, flat as it came."""
-    k = int(round(len(flat) ** 0.5))
+    k = round(len(flat) ** 0.5)
     values, vectors = np.linalg.eigh(flat.reshape(k, k))
     return ((vectors * np.maximum(values, 0.0)) @ vectors.T).ravel()
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise.affine import Array, Block, magnitudes
+from equipoise.affine import magnitudes
 from equipoise.assemble import account
 from equipoise.design import Row
 from equipoise.mechanism import Mechanism
 from equipoise.peaks import polish
 from equipoise.states import States
+from equipoise.steepness import Account, steepness
 from equipoise.sweep import Sweep
-
-Account = Callable[[States], tuple[Sequence[Block], Array]]
 
 WORTH_SHARE = 0.1
 WORTH_MOTOR = 0.02
@@ -85,29 +84,40 @@ def _reason(joint: str, rows: dict[str, Row]) -> str:
     return ""
 
 
-def table(mechanism: Mechanism, sweep: Sweep, states: States, account: Account) -> dict[str, Row]:
-    """A row per block of an account (states) -> (blocks, residual): norms over the sweep's weights, peaks polished."""
+def table(
+    mechanism: Mechanism, sweep: Sweep, states: States, account: Account, known: Mapping[str, Row] | None = None
+) -> dict[str, Row]:
+    """A row per block of an account: norms over the sweep's weights, peaks polished; known rows stay as they are."""
+    known = known or {}
     weight = states.weight / states.weight.sum()
     blocks, residual = account(states)
     magnitude = magnitudes(residual, [block.size for block in blocks])
-    sampled = magnitude.reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    peaks = polish(lambda found: worst(mechanism, sweep, found, account), sweep.coordinates, sampled, sweep.domain)
+    new = np.array([place for place, block in enumerate(blocks) if block.name not in known], dtype=int)
+    sampled = magnitude[:, new].reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
+    probe = steepness(mechanism, sweep, blocks, account)
+    peaks = polish(lambda places, rows: probe(places, new[rows]), sweep.coordinates, sampled, sweep.domain)
     limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True))
-    return {
-        block.name: Row(
-            peak=float(peaks.value[i]),
-            sample_peak=float(peaks.sample[i]),
+    found = {
+        blocks[i].name: Row(
+            peak=float(peak),
+            sample_peak=float(sample),
             rms=float(np.sqrt(weight @ magnitude[:, i] ** 2)),
             mean=float(weight @ magnitude[:, i]),
-            unit=block.unit,
-            limit=float(limits[block.name]) if np.isfinite(limits.get(block.name, np.inf)) else None,
+            unit=blocks[i].unit,
+            limit=float(limits[blocks[i].name]) if np.isfinite(limits.get(blocks[i].name, np.inf)) else None,
         )
-        for i, block in enumerate(blocks)
+        for i, peak, sample in zip(new, peaks.value, peaks.sample, strict=True)
     }
+    return {block.name: known.get(block.name) or found[block.name] for block in blocks}
 
 
-def worst(mechanism: Mechanism, sweep: Sweep, coordinates: Array, account: Account) -> Array:
-    """Block norms (M, B) at coordinates (M, c) of the sweep, the worst over the payload scenarios."""
-    blocks, residual = account(mechanism.states(sweep.at(coordinates)))
-    size = magnitudes(residual, [block.size for block in blocks])
-    return size.reshape(len(sweep.scenarios), len(coordinates), -1).max(axis=0)
+def before_and_after(
+    mechanism: Mechanism, sweep: Sweep, states: States, bare: Account, balanced: Account
+) -> tuple[dict[str, Row], dict[str, Row]]:
+    """Tables without and with balancers; rows that no balancer touches are judged once."""
+    before = table(mechanism, sweep, states, bare)
+    (blocks, without), (_, with_them) = bare(states), balanced(states)
+    starts = np.cumsum([0, *[block.size for block in blocks[:-1]]])
+    alike = np.logical_and.reduceat((without == with_them).all(axis=0), starts)
+    untouched = {block.name: before[block.name] for block, same in zip(blocks, alike, strict=True) if same}
+    return before, table(mechanism, sweep, states, balanced, untouched)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array, Block, Unknown, magnitudes
+from equipoise.affine import Array, Block, Indices, Unknown, magnitudes
 from equipoise.assemble import Balancer, account, build, check, effort, thrift
 from equipoise.balancers.spring import Spring
 from equipoise.design import Active, Certificate, Design
@@ -17,17 +17,20 @@ from equipoise.limits import Limit, curve
 from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
 from equipoise.motion.moves import Free
-from equipoise.objective import Aim, as_objective
-from equipoise.peaks import polish
+from equipoise.objective import Aim, as_objective, goal_blocks
+from equipoise.peaks import STARTS, polish
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
+from equipoise.steepness import steepness
 from equipoise.sweep import Sweep
-from equipoise.verbs.analyze import table, worst
+from equipoise.verbs.analyze import before_and_after
 
 EXACT = 1e-9
-ROUNDS = 12
+ROUNDS = 24
+FEW = 6
 BETWEEN = 1e-7
+NEAR = 0.5
 CUTS = 60
 SAVED = 20_000
 """States over which stored energy is judged."""
@@ -108,17 +111,21 @@ def task_of(
 
 def settle(task: Task) -> Balanced:
     """Solve at the task's geometry; refine between the samples; settle what is free by least stored energy."""
-    started, rounds = len(task.sweep.poses), 0
+    started, rounds, starts = len(task.sweep.poses), 0, STARTS
     while True:
         states = task.mechanism.states(task.sweep)
         program = task.program(states)
         program, solution = tightened(task, program)
         solution = saved(task, states, program, solution)
-        found = _between(task, states, program, solution)
+        found = _between(task, states, program, solution, starts)
+        if not len(found) and starts == FEW:
+            found = _between(task, states, program, solution, STARTS)
         rounds += 1
         if not len(found) or rounds == ROUNDS:
             return Balanced(task, states, program, solution, len(task.sweep.poses) - started)
         task = replace(task, sweep=task.sweep.extended(found))
+        # The hills found now are among the samples of the next round: a few starts follow them.
+        starts = FEW
 
 
 def tightened(task: Task, program: Program) -> tuple[Program, Solution]:
@@ -205,31 +212,47 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
     return theta + solve(Program(moves, (term,), tuple(rows), definite)).theta @ directions
 
 
-def _between(task: Task, states: States, program: Program, solution: Solution) -> Array:
+def _between(task: Task, states: States, program: Program, solution: Solution, starts: int) -> Array:
     """Poses between the samples whose peak exceeds the solved one; none for grids, lists and other norms."""
     aims = [aim for aim in task.objective if aim.cap is None]
     if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak" or aims[0].goal == "mass":
-        return np.zeros((0, task.sweep.coordinates.shape[1]))
+        return task.sweep.coordinates[:0]
     aim = aims[0]
     bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
+    blocks = goal_blocks(task.mechanism, aim.goal)
+    counted = np.array([blocks.index(block) for block in aim.blocks(task.mechanism)])
+    factor = aim.scales(task.mechanism) / aim.before(task.mechanism, np.ones(len(states)), bare)
 
-    def counted(other: States) -> tuple[Sequence[Block], Array]:
-        whole = effort(task.mechanism, task.balancers, other, aim.goal, aim.pole).expand(program.unknowns)
-        term = aim.term(task.mechanism, whole, np.ones(len(other)), bare)
-        return [Block("", "", size) for size in term.sizes], term.residual(solution.theta)
+    def whole(other: States) -> tuple[Sequence[Block], Array]:
+        found = effort(task.mechanism, task.balancers, other, aim.goal, aim.pole).expand(program.unknowns)
+        return blocks, found.at(solution.theta)
 
-    blocks, residual = counted(states)
-    size = magnitudes(residual, [block.size for block in blocks])
+    size = magnitudes(whole(states)[1], [block.size for block in blocks])[:, counted] * factor
     sampled = size.reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
-    peaks = polish(
-        lambda found: worst(task.mechanism, task.sweep, found, counted),
-        task.sweep.coordinates,
-        sampled,
-        task.sweep.domain,
-    )
     level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
+    # A row far below the level at every sample does not reach it between them.
+    near = np.flatnonzero(sampled.max(axis=0) >= NEAR * level)
+    probe = steepness(task.mechanism, task.sweep, blocks, whole)
+
+    def scaled(places: Array, rows: Indices) -> tuple[Array, Array]:
+        value, slope = probe(places, counted[near[rows]])
+        return value * factor[near[rows]], slope * factor[near[rows], None]
+
+    peaks = polish(scaled, task.sweep.coordinates, sampled[:, near], task.sweep.domain, starts)
     load = max(float(np.abs(term.b).max()) for term in program.terms)
-    return peaks.pose[peaks.value > level * (1 + BETWEEN) + 1e-12 * load]
+    if not (peaks.value > level * (1 + BETWEEN) + 1e-12 * load).any():
+        return peaks.hills[:0]
+    # Lower hills come along: they rise as soon as the highest are pressed down.
+    return _apart(peaks.hills[peaks.height >= NEAR * level], task.sweep.domain)
+
+
+def _apart(places: Array, domain: Array | None) -> Array:
+    """Coordinates that differ from each other by more than 1e-4 of the domain somewhere."""
+    if domain is None or not len(places):
+        return places
+    span = np.where(domain[:, 1] > domain[:, 0], domain[:, 1] - domain[:, 0], 1.0)
+    _, first = np.unique(np.round((places - domain[:, 0]) / span, 4), axis=0, return_index=True)
+    return places[np.sort(first)]
 
 
 def finish(
@@ -246,8 +269,7 @@ def finish(
     def bare(other: States) -> tuple[tuple[Block, ...], Array]:
         return account(task.mechanism, (), other, task.objective, {})
 
-    before = table(task.mechanism, task.sweep, states, bare)
-    after = table(task.mechanism, task.sweep, states, balanced.account)
+    before, after = before_and_after(task.mechanism, task.sweep, states, bare, balanced.account)
     return Design(
         mechanism=task.mechanism,
         balancers=task.balancers,
@@ -311,7 +333,12 @@ def quadrature_error(balanced: Balanced) -> float | None:
 def is_exact(balanced: Balanced) -> bool:
     """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other states of its region."""
     task, program, theta = balanced.task, balanced.program, balanced.solution.theta
-    loads = [load for term, load in zip(program.terms, program.loads, strict=True) if term.cap is None]
+    loads = []
+    for aim in task.objective:
+        if aim.cap is None:  # what given parts have balanced already is measured by the bare mechanism
+            bare = effort(task.mechanism, (), balanced.states, aim.goal, aim.pole)
+            term = aim.term(task.mechanism, bare, balanced.states.weight, bare)
+            loads.append(float(np.abs(term.b).max()) or 1.0)
 
     def vanishes(other: Program) -> bool:
         terms = [term for term in other.terms if term.cap is None]

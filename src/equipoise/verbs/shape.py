@@ -28,6 +28,8 @@ from equipoise.verbs.balance import Balanced, Task, certify, finish, settle, tas
 COARSE = 400
 PER_START = 24
 REFINED = 4
+SLACK = 2e-7
+"""Share of the objective that may be given for less stored energy."""
 
 Progress = Callable[[int, int, float], None]
 
@@ -43,6 +45,10 @@ class _Search:
         """gamma (C, G) -> the program of all candidates at once."""
         names = [freedom.name for freedom in self.freedoms]
         return lambda gamma: self.task.program(states, candidates(self.task.balancers, names, gamma))
+
+    def over(self, sweep: Sweep) -> _Search:
+        """The same search over another sweep."""
+        return replace(self, task=replace(self.task, sweep=sweep))
 
     def at(self, gamma: Array) -> Task:
         """The task at one geometry."""
@@ -85,16 +91,10 @@ def shape(
     if optima.best.excess > 1e-6:
         settle(search.at(optima.best.gamma))
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
-    search, best = _refine(search, optima.best, load)
-    best = sharpen(search.builder(mechanism.states(search.task.sweep)), freedoms, best)
-    rounds = 0
-    while True:
-        best, rounds = _spare(search, best, load), rounds + 1
-        balanced = settle(search.at(best.gamma))
-        if not balanced.refined or rounds == REFINED:
-            break
-        # What saves energy may raise the torque between the samples.
-        search, best = _refine(replace(search, task=balanced.task), best, load)
+    best = sharpen(search.builder(states), freedoms, optima.best)
+    search, best, balanced = _refine(search, best, load)
+    best, balanced = _spare(search, best, balanced, load)
+    balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
 
 
@@ -198,25 +198,42 @@ def _present(search: _Search) -> Array | None:
     return np.array([gamma], dtype=float) if all(inside) else None
 
 
-def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local]:
+def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local, Balanced]:
     """Add the poses between the samples that exceed the peak, and descend again, until none does."""
+    balanced = settle(search.at(best.gamma))
     for _ in range(REFINED):
-        balanced = settle(search.at(best.gamma))
         if not balanced.refined:
             break
-        search = replace(search, task=replace(search.task, sweep=balanced.task.sweep))
+        search = search.over(balanced.task.sweep)
         best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02)
-    return search, best
+        balanced = settle(search.at(best.gamma))
+    return search.over(balanced.task.sweep), best, balanced
 
 
-def _spare(search: _Search, best: Local, load: float) -> Local:
-    """Among equally good geometries the one with the least stored energy."""
+def _spare(search: _Search, best: Local, balanced: Balanced, load: float) -> tuple[Local, Balanced]:
+    """Among equally good geometries the one with the least stored energy, equally good between the samples too."""
+    value = max(balanced.solution.objective, 1e-9 * load)
+    if len([aim for aim in search.task.objective if aim.cap is None]) > 1:
+        return best, balanced
+    for _ in range(REFINED):
+        # Half of the slack is left to what the search between the samples finds.
+        thrifty = _thrifty(search, best, value * (1 + SLACK / 2))
+        if thrifty is None:
+            break
+        found = settle(search.at(thrifty.gamma))
+        if found.solution.objective <= value * (1 + SLACK):
+            return thrifty, found
+        if not found.refined:
+            break
+        search = search.over(found.task.sweep)
+    return best, balanced
+
+
+def _thrifty(search: _Search, best: Local, value: float) -> Local | None:
+    """The geometry that keeps the objective below a value with the least stored energy, if that is worth a move."""
     states = search.task.mechanism.states(search.task.sweep)
-    value = max(best.solution.objective, 1e-9 * load) * (1 + 1e-6)
     names = [freedom.name for freedom in search.freedoms]
     plain = search.builder(states)
-    if len([aim for aim in search.task.objective if aim.cap is None]) > 1:
-        return best
 
     def lean(gamma: Geometry) -> Program:
         return thrift(plain(gamma), candidates(search.task.balancers, names, gamma), states, value)
@@ -225,12 +242,10 @@ def _spare(search: _Search, best: Local, load: float) -> Local:
     present = solve(plain(best.gamma[None]).take(0))
     stored = start.terms[0].value(present.theta)
     if not stored > 0:
-        return best
+        return None
     thrifty = descend(lean, search.freedoms, best.gamma, stored, radius=0.1, iterations=30, precision=1e-5)
     worth = thrifty.solution.objective <= 0.99 * stored or present.objective > value
-    if thrifty.excess > 1e-6 or not worth:
-        return best
-    return replace(best, gamma=thrifty.gamma)
+    return replace(best, gamma=thrifty.gamma) if thrifty.excess <= 1e-6 and worth else None
 
 
 def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:

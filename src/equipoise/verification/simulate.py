@@ -15,8 +15,8 @@ from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.balancers.spring import Spring, actuator_name
 from equipoise.design import Design
 from equipoise.errors import InputError
-from equipoise.mechanism import Mechanism
-from equipoise.models.notices import listen, refusals
+from equipoise.mechanism import Mechanism, compile_spec
+from equipoise.models.notices import listen
 from equipoise.states import States
 from equipoise.verification.findings import Disagreement, JointError
 from equipoise.verification.postures import postures
@@ -162,8 +162,7 @@ def holding(
             add_point_mass(loaded, f"payload {index + 1} of the verification", point.body, point.at, float(mass))
         for name in forces:
             _drive(loaded, name)
-        with refusals(mechanism.name):
-            model = loaded.compile()
+        model = compile_spec(loaded, mechanism.name)
         if q is None or transmission is None:
             q, transmission = postures(model, states, positions or {}, laws or {})
         springs = _quieten(model, mechanism.model)
