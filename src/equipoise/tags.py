@@ -26,6 +26,7 @@ from equipoise.balancers.paths import (
     Cable,
     Cam,
     Drum,
+    FourBar,
     Gear,
     InvertedSliderCrank,
     Line,
@@ -34,12 +35,28 @@ from equipoise.balancers.paths import (
     Pulley,
     Reel,
     ScotchYoke,
+    Shaft,
     SliderCrank,
     Turn,
+    Winding,
 )
 from equipoise.balancers.spring import Spring
 from equipoise.forms import Family, Form
-from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
+from equipoise.limits import (
+    Convex,
+    Curvature,
+    ExactAt,
+    Force,
+    Length,
+    MassCap,
+    Slack,
+    Slope,
+    Stiffness,
+    Stroke,
+    Tension,
+    Transmission,
+    WindUp,
+)
 from equipoise.make.requests import MakeArmCam, MakeCam, MakeConstantForceCam, MakeDrum
 from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
@@ -75,15 +92,17 @@ SWEEPS: dict[str, Callable[..., Any]] = {
 }
 BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
 TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
+SHAFTS: dict[str, Callable[..., Any]] = {**TURNS, "winding": Winding}
 PATHS: dict[str, Callable[..., Any]] = {
     "line": Line,
     "cable": Cable,
-    **TURNS,
+    **SHAFTS,
     "drum": Drum,
     "scotch_yoke": ScotchYoke,
     "slider_crank": SliderCrank,
     "inverted_slider_crank": InvertedSliderCrank,
     "cam": Cam,
+    "four_bar": FourBar,
     "reel": Reel,
 }
 PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
@@ -112,6 +131,9 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "slope": Slope,
     "curvature": Curvature,
     "convex": Convex,
+    "tension": Tension,
+    "wind_up": WindUp,
+    "transmission": Transmission,
 }
 
 
@@ -139,6 +161,7 @@ LIMIT = Family("limit", _members(LIMITS), leading=True)
 PATH = Family("path", _members(PATHS))
 LAW = Family("law", _members(LAWS))
 TURN = Family("angle", _members(TURNS))
+SHAFT = Family("angle", _members(SHAFTS))
 PROFILE = Family("profile", _members(PROFILES))
 PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
@@ -153,6 +176,7 @@ def family_of(hint: Any) -> Family | Form | None:
     for family, table in (
         (LAW, {"any": Law, **LAWS}),
         (TURN, {"any": Turn, **TURNS}),
+        (SHAFT, {"any": Shaft}),
         (PATH, {"any": Path, **PATHS}),
         (PROFILE, PROFILES),
         (PULLEY, PULLEYS),

@@ -21,7 +21,7 @@ from equipoise.solve.program import Rows
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(curve.OverInterval):
     """min <= f <= max of a spring's force, N, or torque, N m, at every state, or over an interval of length.
 
     f > 0 pulls. With over (low, high), m or rad, it holds for every length in between, see `limits.curve`; samples
@@ -145,14 +145,24 @@ class MassCap:
 
 
 def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tuple[Rows, ...]:
-    """Rows that balancers ask for by themselves: spans of laws, free lengths within them, reach of counterweights."""
+    """Rows that balancers ask for by themselves: spans of laws, free lengths within them, reach of counterweights, paths that close."""
     rows: list[Rows] = []
     for balancer in balancers:
         if isinstance(balancer, Spring):
-            rows += _span(balancer, setting)
+            rows += _span(balancer, setting) + _needs(balancer, setting)
         elif balancer.reach is not None:
             rows += _reach(balancer)
     return tuple(rows)
+
+
+def _needs(spring: Spring, setting: Setting) -> list[Rows]:
+    """What the path's geometry must keep at every state."""
+    found = []
+    for need in spring.path.needs(setting.states):
+        none = np.zeros((*need.room.shape, 0), dtype=need.room.dtype)
+        where = np.arange(need.room.shape[-1])
+        found.append(Rows(f"{need.limit} of {spring.name}", need.unit, none, need.room, (), where, scale=need.scale))
+    return found
 
 
 def _span(spring: Spring, setting: Setting) -> list[Rows]:
