@@ -19,7 +19,7 @@ from equipoise.limits.limit import Setting
 from equipoise.limits.sides import sides
 from equipoise.solve.program import Rows
 
-START = 65
+START = 129
 """Chebyshev lengths that a tension limit starts from."""
 FINE = 4001
 """Lengths among which the worst are looked for, before each is polished."""
