@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import equipoise as eq
-from equipoise.balancers.laws.gas import polytrope
+from equipoise.balancers.laws.charge import polytrope
 
 LENGTHS = np.linspace(0.3, 0.5, 7)
 
@@ -150,7 +150,7 @@ def over(arm, n=91):
 @pytest.mark.parametrize("action", ["pull", "push"])
 def test_a_gas_volume_that_vanishes_in_the_sweep_is_named(arm, action):
     law = eq.Gas(area=1e-3, volume=1e-5, length=0.3, action=action)
-    with pytest.raises(eq.InputError, match="spring g reaches .* its gas volume ends at"):
+    with pytest.raises(eq.InputError, match=r"spring g: it reaches .* the gas volume of its law ends at"):
         eq.balance(arm, [eq.Spring("g", line(arm), law)], over(arm))
 
 
@@ -225,3 +225,32 @@ def test_the_mean_by_total_variation(alpha, mean):
     path = eq.InvertedSliderCrank(eq.Angle("link_joint"), 0.2, 1.2, -turn)
     design = eq.balance(arm, [eq.Spring("s", path, eq.Constant(force))], over)
     assert 100 * eq.exact_mean(design) / 1058.4 == pytest.approx(mean, abs=6e-5 if alpha != 86 else 5e-7)
+
+
+def test_cylinders_of_a_data_sheet():
+    sheet = {"bore": 0.04, "stroke": 0.2, "retracted": 0.3, "auxiliary": 1.2e-3, "rod": 0.016, "pressure": 6e5}
+    areas = {"cap": 0.04**2, "rod": 0.04**2 - 0.016**2, "both": 0.016**2}
+    for chamber, square in areas.items():
+        law = eq.gas_cylinder(**sheet, chamber=chamber)
+        assert law.area == pytest.approx(np.pi / 4 * square)
+        assert law.pushes == (chamber != "rod")
+        full = 0.5 if chamber == "rod" else 0.3
+        volume = law.gas_volume(np.array([full, 0.8 - full]))
+        np.testing.assert_allclose(volume, [1.2e-3, 1.2e-3 + 0.2 * law.area], rtol=1e-12)
+        side = 1 if chamber == "rod" else -1
+        assert force(law, 0.4) == pytest.approx(side * 6e5 * law.area, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"rod": 0.04}, "the rod is 0.04 m"),
+        ({"auxiliary": 0.0}, "the auxiliary is 0"),
+        ({"chamber": "rod", "rod": 0.0}, "needs a rod"),
+        ({"charged_length": 0.6}, "the charged length is 0.6 m"),
+    ],
+)
+def test_cylinders_that_cannot_be(changed, message):
+    sheet = {"bore": 0.04, "stroke": 0.2, "retracted": 0.3, "auxiliary": 1.2e-3, "rod": 0.016}
+    with pytest.raises(eq.InputError, match=message):
+        eq.gas_cylinder(**(sheet | changed))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import equipoise as eq
+from equipoise.floors import Floor
 
 UR10 = "package://example-robot-data/robots/ur_description/urdf/ur10_robot.urdf"
 SO101 = "package://example-robot-data/robots/so_arm_description/urdf/so101.urdf"
@@ -47,7 +48,7 @@ def test_ur10_one_ideal_spring(ur10):
     design = eq.shape(ur10, [eq.Spring("s1", line, eq.ZeroFreeLength())], over, bounds, norm="peak")
     assert design.after["shoulder_lift_joint"].peak <= 34.24
     assert design.certificate.primal == pytest.approx(34.2349, abs=1e-3)
-    assert design.certificate.floors == ("elbow_joint",)
+    assert design.certificate.floors == (Floor("elbow_joint", "own"),)
     # Of all equal springs the one that stores least: k a b is fixed, so k (a + b)^2 / 2 is least for a = b.
     a, b = design.geometry.values()
     assert design.parts()[0]["energy"][1] == pytest.approx(2 * design.values["s1.k"] * a * b, rel=0.02)
@@ -230,3 +231,16 @@ def test_six_parameters_reach_the_optimum_that_most_starts_miss():
     design = eq.shape(link(), [spring], over, free, norm="peak", limits=[eq.Slack("s1")])
     assert design.certificate.primal == pytest.approx(0.158702, abs=1e-6)
     assert design.certificate.starts == 24
+
+
+def test_half_the_payload_is_a_floor():
+    """0 or 1.5 kg at the tip of one link: whatever serves both leaves half of 1.5 g l, and the certificate says so."""
+    arm = eq.chain([eq.Link("link", length=0.4, mass=1.0)])
+    load = eq.Payload("link", (0.0, 1.5), at=(0.4, 0.0, 0.0))
+    over = eq.Sweep.grid(arm, {"link_joint": (-1.2, 1.2, 61)}, payload=[load])
+    ends = eq.Line(eq.Point("world", (0, 0, 0.2)), eq.Point("link", (0.2, 0, 0)))
+    spring = eq.Spring("s1", ends, eq.ZeroFreeLength())
+    found = eq.balance(arm, [spring], over, norm="peak").certificate
+    assert found.primal == pytest.approx(1.5 * 9.81 * 0.4 / 2, rel=1e-9)
+    assert found.floors == (Floor("link_joint", "payload"),)
+    assert eq.balance(arm, [spring], over, norm="rms").certificate.floors == ()

@@ -57,10 +57,12 @@ LAWS = {
     "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
     "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),
     "gas_given": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, pressure=2e6, exponent=1.2, action="pull"),
-    "gas_real": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=eq.Nitrogen(at=17e6)),
-    "hydro_pneumatic": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=eq.Nitrogen(0.5, at=15e6)),
+    "gas_real": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=eq.Nitrogen(at=17e6), temperature=302.0),
+    "hydro_pneumatic": eq.HydroPneumatic(
+        3e-4, 1.4e-3, 1e-3, 0.4, exponent=eq.Nitrogen(0.5, at=15.5e6), temperature=302.0
+    ),
     "hydro_pneumatic_gauge": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, exponent=1.3, action="pull", reading="gauge"),
-    "hydro_pneumatic_given": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, precharge=1e7),
+    "hydro_pneumatic_given": eq.HydroPneumatic(3e-4, 1.4e-3, 1e-3, 0.4, precharge=1.01e7, temperature=302.0),
     "bspline": eq.BSpline((0.05, 1.6), pieces=4),
     "polynomial": eq.Polynomial((0.05, 1.6), degree=5),
     "polynomial_given": eq.Polynomial((0.05, 1.6), degree=2, coefficients=(30.0, 8.0, -2.0)),
@@ -147,6 +149,9 @@ WEIGHTS = {
     "free": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), reach=0.2),
     "given_mass_free_place": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), mass=2.0, reach=0.2),
     "given": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[0], (-0.1, 0.0, 0.0)), mass=1.3),
+    "disc": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1], (-0.1, 0.02, 0.03)), shape=eq.Disc(0.05)),
+    "solid": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1], (0.05, 0.0, 0.0)), reach=0.1, shape=eq.Solid()),
+    "flywheel": lambda m: eq.Flywheel("b", inertia=0.1),
 }
 BALANCERS = {
     f"{path}-{law}-{mass}": (lambda m, p=p, w=w, k=k: eq.Spring("b", p(m), w, mass=k))
@@ -212,7 +217,7 @@ def test_efforts_add_up_and_units_agree(posed, mechanism, balancer):
     theta = np.linspace(1.0, 2.0, len(part.unknowns))
     np.testing.assert_allclose(total.at(theta), states.holding + alone.at(theta), atol=1e-10)
     assert [block.unit for block in alone.blocks] == list(mech.driven_units)
-    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "N m/rad", "N m", "kg", "kg m", "Pa"}
+    assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "N m/rad", "N m", "kg", "kg m", "kg m^2", "Pa"}
     assert part.effort(states, "storage").blocks[0].unit == "J"
 
 
@@ -258,6 +263,28 @@ def test_geometry_derivatives_are_exact(posed, path, law):
         assert isinstance(unit_of([part], name), str)
 
 
+@pytest.mark.parametrize("law", [name for name in LAWS if not name.startswith(("constant", "linear"))])
+def test_laws_follow_their_own_numbers_exactly(posed, law):
+    """Complex step against differences, for force and energy, in every number that `shape` may free."""
+    mech, states, _, _ = posed["spatial"]
+    part = eq.Spring("b", PATHS["between"](mech), LAWS[law])
+    names = [f"b.law.{field.name}" for field in fields(part.law) if isinstance(getattr(part.law, field.name), float)]
+    names += [f"b.law.interval.{end}" for end in (0, 1) if law == "polynomial"]
+    here = np.array([read([part], name) for name in names])
+    theta = np.linspace(1.0, 2.0, len(part.unknowns))
+    steps = here + 1j * STEP * np.abs(here) * np.eye(len(names))
+    for goal in ("hold", "storage"):
+        exact = candidates([part], names, steps)[0].effort(states, goal).at(theta).imag / STEP
+        for index, name in enumerate(names):
+            if name == "b.law.exponent" and here[index] == 1.0:  # differences would leave 1..2
+                continue
+            h = 1e-6 * abs(here[index])
+            sides = [write([part], {name: here[index] + s})[0].effort(states, goal).at(theta) for s in (h, -h)]
+            slope = (sides[0] - sides[1]) / 2e-6
+            size = max(1.0, np.abs(sides[0]).max())
+            np.testing.assert_allclose(exact[index], slope, atol=2e-9 * size, err_msg=name)
+
+
 def test_candidates_are_the_geometries_one_by_one(posed):
     mech, states, _, _ = posed["spatial"]
     part = eq.Spring("b", PATHS["between"](mech), eq.Coil(free_length=0.1, k=500.0), mass=0.4)
@@ -285,11 +312,23 @@ LIMITS = {
 }
 
 
+LIMITED = {
+    "coil": eq.Coil(free_length=None),
+    "gas": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull"),
+    "polynomial": LAWS["polynomial"],
+}
+
+
+@pytest.mark.parametrize("law", LIMITED)
 @pytest.mark.parametrize("limit", LIMITS)
-def test_limits_answer_rows_that_follow_the_geometry(posed, limit):
+def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
     """Rows are finite, as many as their right sides, and their complex-step slope is that of differences."""
     mech, states, _, _ = posed["spatial"]
-    part = eq.Spring("b", PATHS["between"](mech), eq.Coil(free_length=None))
+    part = eq.Spring("b", PATHS["between"](mech), LIMITED[law])
+    if law == "gas" and limit in ("force_over", "slope", "curvature", "convex"):
+        with pytest.raises(eq.InputError, match="is no polynomial"):
+            LIMITS[limit]().rows(Setting({"b": part}, states, lambda poses: effort(mech, [part], states)))
+        return
     name, h = "b.path.line.1.x", 1e-6
     here = read([part], name)
 
@@ -319,3 +358,54 @@ def test_closed_coils_and_reach_are_implied(posed):
     setting = Setting({"c": coil, "w": weight}, states, lambda poses: effort(mech, [coil, weight], states))
     words = [rows.limit for rows in implied([coil, weight], setting)]
     assert words == ["closed length of c (0.2 m)", "reach of w (0.1 m)"]
+
+
+MOVING = WEIGHTS | {
+    "heavy_spring": lambda m: eq.Spring("b", PATHS["between"](m), eq.Coil(free_length=0.1), mass=1.7),
+}
+ROTORS = {
+    "rotor": lambda m: eq.CounterRotor("b", bodies(m)[1], ratio=1.5),
+    "planetary": lambda m: eq.CounterRotor("b", bodies(m)[1], gear_inertia=0.01, at=eq.Point(bodies(m)[0]), radius=0.1),
+    "belt": lambda m: eq.CounterRotor("b", bodies(m)[1], ratio=-2.0, inertia=0.02, mass=0.3),
+    "plate": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), reach=0.1, shape=eq.Plate()),
+}
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "balancer"),
+    [(m, b) for m in MECHANISMS for b in MOVING if "place" not in b and b != "free"]
+    + [(m, b) for m in ("planar", "linkage") for b in ROTORS],
+    ids=lambda name: name,
+)
+def test_power_is_the_rate_of_energy_and_wrenches_are_rates_of_momentum(mechanism, balancer):
+    """tau . v = d(T + V)/dt, F = dp/dt, M = dL/dt along a motion, for every unknown by itself."""
+    from scipy.interpolate import make_interp_spline
+
+    mech = MECHANISMS[mechanism]()
+    part = (MOVING | ROTORS)[balancer](mech)
+    part.check(mech)
+    box = np.where(np.isnan(mech.box), [-0.5, 0.5], mech.box).clip(-1.0, 1.0)
+    middle, span = box.mean(axis=1), 0.3 * (box[:, 1] - box[:, 0])
+    drivers = {
+        joint: f"{middle[i]} + {span[i]}*sin({3 + i}*t + {i})" for i, joint in enumerate(mech.driven)
+    }  # fmt: skip
+    sweep = eq.Sweep.motion(mech, drivers, duration=1.0, samples=801)
+    states, time = mech.states(sweep), sweep.instants.time
+    theta = np.linspace(1.0, 2.0, len(part.unknowns))
+
+    def answer(at, goal):
+        return part.effort(at, goal).at(theta)
+
+    def rate(values):
+        return make_interp_spline(time, values, k=5)(time, 1)[20:-20]
+
+    drive = answer(states, "drive")
+    power = (drive * states.rates.driven_velocity).sum(axis=1)
+    # twice the kinetic energy is the inertial effort that velocities in the place of accelerations would give
+    inertial = answer(states.momenta, "drive") - answer(states, "hold")
+    kinetic = 0.5 * (inertial * states.rates.driven_velocity).sum(axis=1)
+    energy = rate(kinetic + answer(states, "energy")[:, 0])
+    np.testing.assert_allclose(power[20:-20], energy, atol=2e-6 * max(1.0, np.abs(power).max()))
+    for goal in ("force", "moment"):
+        want = answer(states, goal)[20:-20]
+        np.testing.assert_allclose(rate(answer(states.momenta, goal)), want, atol=2e-6 * max(1.0, np.abs(want).max()))

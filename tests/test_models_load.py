@@ -6,6 +6,8 @@ import contextlib
 import os
 import random
 import re
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
@@ -571,3 +573,31 @@ def test_spoilt_files_load_or_are_refused(tmp_path, text, seed):
         mechanism = eq.Mechanism.load(path)
         assert mechanism.driven
         assert np.isfinite(mechanism.mass)
+
+
+def test_builders_leave_no_log_where_the_user_stands(tmp_path):
+    """MuJoCo writes MUJOCO_LOG.TXT for warnings that nobody hears; a session of builders hears them too."""
+    code = (
+        "import equipoise as eq, mujoco\n"
+        "arm = eq.chain([eq.Link('a', length=0.5, mass=1.0)])\n"
+        "data = mujoco.MjData(arm.model)\n"
+        "data.qpos[0] = float('nan')\n"
+        "mujoco.mj_step(arm.model, data)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=True, cwd=tmp_path
+    )
+    assert "QPOS" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_mujoco_raises_while_it_computes_is_a_message(monkeypatch):
+    arm = eq.chain([eq.Link("a", length=0.5, mass=1.0)])
+
+    def fail(*_, **__):
+        raise mujoco.FatalError("mj_stackAlloc: out of memory")
+
+    monkeypatch.setattr("mujoco.batch.Batch.forward", fail)
+    with pytest.raises(ModelError, match="out of memory") as caught:
+        eq.analyze(arm)
+    assert caught.value.where == arm.name

@@ -332,7 +332,7 @@ def test_bounds_hold_on_a_dense_grid(base, tip, law, body, k):
         return states.holding + spring.effort(states, "hold").b
 
     states = mechanism.states(over)
-    rows = table(mechanism, over, states, residual(states), residual)
+    rows = table(mechanism, over, states, lambda other: (mechanism.driven_blocks, residual(other)))
     between = bounds(mechanism, [spring], {}, over, rows, budget=4000)
     peak = np.abs(residual(dense)).max(axis=0)
     for i, (joint, bound) in enumerate(between.items()):

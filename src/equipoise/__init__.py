@@ -21,6 +21,7 @@ _HOME = {
     "Block": "affine",
     "Unknown": "affine",
     "Spring": "balancers.spring",
+    "Prescribed": "balancers.synthesis",
     "Line": "balancers.paths",
     "Cable": "balancers.paths",
     "Pulley": "balancers.paths",
@@ -42,6 +43,7 @@ _HOME = {
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
     "Gas": "balancers.laws",
+    "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
     "Torsion": "balancers.laws",
@@ -49,6 +51,18 @@ _HOME = {
     "BSpline": "balancers.laws",
     "WireMass": "balancers.laws",
     "Counterweight": "balancers.counterweight",
+    "PointMass": "balancers.shapes",
+    "Disc": "balancers.shapes",
+    "Plate": "balancers.shapes",
+    "Solid": "balancers.shapes",
+    "CounterRotor": "balancers.counter_rotor",
+    "Flywheel": "balancers.flywheel",
+    "FlywheelLaw": "balancers.flywheel",
+    "Motion": "motion.motion",
+    "Expression": "motion.drivers",
+    "Cycloidal": "motion.drivers",
+    "TimePolynomial": "motion.drivers",
+    "TimeSpline": "motion.drivers",
     "exact_rate": "balancers.heavy",
     "exact_rate_zero_free_length": "balancers.heavy",
     "iterated_rates": "balancers.heavy",
@@ -130,17 +144,23 @@ __all__ = [
     "Constant",
     "ConstantForceCam",
     "Convex",
+    "CounterRotor",
     "Counterweight",
     "Curvature",
+    "Cycloidal",
     "Design",
     "DisagreementError",
+    "Disc",
     "Drum",
     "DrumWithTorsion",
     "EquipoiseError",
     "ExactAt",
+    "Expression",
+    "Flywheel",
+    "FlywheelLaw",
     "Force",
-    "Gas",
     "FourBar",
+    "Gas",
     "Gear",
     "HydroPneumatic",
     "InfeasibleError",
@@ -154,12 +174,16 @@ __all__ = [
     "MassCap",
     "Mechanism",
     "ModelError",
+    "Motion",
     "Mount",
     "Nitrogen",
     "Payload",
+    "Plate",
     "Platform",
     "Point",
+    "PointMass",
     "Polynomial",
+    "Prescribed",
     "Problem",
     "ProblemError",
     "Profile",
@@ -169,17 +193,20 @@ __all__ = [
     "Slack",
     "SliderCrank",
     "Slope",
-    "Tension",
-    "Transmission",
+    "Solid",
     "Spring",
     "States",
     "Stiffness",
     "Stroke",
     "Sweep",
+    "Tension",
+    "TimePolynomial",
+    "TimeSpline",
     "Torsion",
+    "Transmission",
     "Unknown",
-    "Winding",
     "WindUp",
+    "Winding",
     "WireMass",
     "ZeroFreeLength",
     "__version__",
@@ -199,6 +226,7 @@ __all__ = [
     "exact_rate_zero_free_length",
     "feasible",
     "four_bar",
+    "gas_cylinder",
     "geometry_map",
     "human_leg",
     "iterated_rates",
@@ -234,7 +262,9 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
+    from equipoise.balancers.counter_rotor import CounterRotor
     from equipoise.balancers.counterweight import Counterweight
+    from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
     from equipoise.balancers.laws import (
         BSpline,
@@ -248,6 +278,7 @@ if TYPE_CHECKING:
         Torsion,
         WireMass,
         ZeroFreeLength,
+        gas_cylinder,
     )
     from equipoise.balancers.paths import (
         Absolute,
@@ -263,12 +294,14 @@ if TYPE_CHECKING:
         Profile,
         Pulley,
         Reel,
-        Winding,
         ScotchYoke,
         SliderCrank,
+        Winding,
     )
     from equipoise.balancers.payload import Adjustment, payload_rule
+    from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
     from equipoise.balancers.spring import Spring
+    from equipoise.balancers.synthesis import Prescribed
     from equipoise.cables import (
         clearance,
         closure,
@@ -324,6 +357,8 @@ if TYPE_CHECKING:
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
     from equipoise.models.slider_crank import slider_crank
+    from equipoise.motion.drivers import Cycloidal, Expression, TimePolynomial, TimeSpline
+    from equipoise.motion.motion import Motion
     from equipoise.objective import Aim
     from equipoise.problem import Problem, load_problem
     from equipoise.states import States

@@ -28,7 +28,7 @@ def check(problem: Problem) -> None:
     """Raise InputError for bodies, joints, names, bounds and units that do not fit the mechanism."""
     mechanism, balancers = problem.mechanism, _opened(problem)
     with problem.at("sweep"):
-        few = problem.sweep.at_poses(problem.sweep.poses[:PROBES])
+        few = problem.sweep.at(problem.sweep.coordinates[:PROBES])
         states = mechanism.states(few)
     for index in range(len(balancers)):
         with problem.at("balancers", index):

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from equipoise import __version__
 from equipoise.assemble import Balancer
+from equipoise.balancers.counter_rotor import CounterRotor
+from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
+from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
+from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
-from equipoise.objective import Aim
+from equipoise.objective import Aim, pole_of
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
@@ -72,7 +77,7 @@ class Certificate:
     spread: float = 0.0
     stationarity: float = 0.0
     active: tuple[Active, ...] = ()
-    floors: tuple[str, ...] = ()
+    floors: tuple[Floor, ...] = ()
     flat: tuple[str, ...] = ()
     quadrature: float | None = None
 
@@ -121,22 +126,62 @@ class Design:
         total = effort(self.mechanism, self.balancers, states, goal)
         return total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))
 
+    def account(self, states: States, *, bare: bool = False) -> dict[str, np.ndarray]:
+        """Rows (N, size) by name at any states, with the balancers or bare: joints and, in motion, force and moment."""
+        from equipoise.assemble import account
+
+        balancers = () if bare else self.balancers
+        blocks, values = account(self.mechanism, balancers, states, self.objective, self.values)
+        cuts = np.cumsum([block.size for block in blocks])[:-1]
+        return {block.name: part for block, part in zip(blocks, np.split(values, cuts, axis=1), strict=True)}
+
+    @property
+    def added_mass(self) -> float:
+        """Mass of everything that is added, kg."""
+        from equipoise.assemble import effort
+
+        states = self.states
+        total = effort(self.mechanism, self.balancers, states, "mass")
+        return float(total.at(np.array([self.values[unknown.name] for unknown in total.unknowns]))[0, 0])
+
+    def reached(self, aim: Aim) -> float:
+        """The value of an aim's norm, in its unit."""
+        if aim.goal == "mass":
+            return self.added_mass
+        rows = aim.counted(self.mechanism)
+
+        def norm(table: Mapping[str, Row]) -> float:
+            values = np.array([getattr(table[name], aim.norm) for name in rows])
+            values = values * aim.scales(self.mechanism)
+            return float({"peak": values.max, "rms": lambda: np.linalg.norm(values), "mean": values.sum}[aim.norm]())
+
+        return norm(self.after) / (norm(self.before) if aim.divisor == "before" else 1.0)
+
     def parts(self) -> list[dict[str, Any]]:
         """One entry per part: what it is, where it goes, and what it does over the sweep, SI units."""
-        return [_spring_part(self, b) if isinstance(b, Spring) else _weight_part(self, b) for b in self.balancers]
+        return [_PARTS[type(balancer)](self, balancer) for balancer in self.balancers]
+
+    def flywheel_law(self, wheel: Flywheel) -> FlywheelLaw | None:
+        """How a flywheel must turn over the motion; None without a motion in time."""
+        from equipoise.assemble import settled, without_wheels
+
+        instants = self.sweep.instants
+        if instants is None:
+            return None
+        order = np.argsort(instants.time, kind="stable")
+        pole = pole_of(self.objective)
+        fixed = settled(self.balancers, self.values)
+        moment, momentum = without_wheels(self.mechanism, fixed, self.states, self.values, pole)
+        rows = order  # scenarios follow one another; the law is that of the first
+        return wheel.law(instants.time[rows], moment[rows], momentum[rows])
 
     @property
     def missed(self) -> str:
         """Why `objective.target` is missed, or nothing."""
         for aim in self.objective:
-            if aim.target is not None:
-                joints = aim.counted(self.mechanism)
-                rows = np.array([getattr(self.after[joint], aim.norm) for joint in joints])
-                scaled = rows * aim.scales(self.mechanism)
-                reached = {"peak": scaled.max(), "rms": np.linalg.norm(scaled), "mean": scaled.sum()}[aim.norm]
-                if reached > aim.target:
-                    unit = aim.unit(self.mechanism)
-                    return f"the {aim.norm} is {reached:.4g} {unit}, the target {aim.target:.4g} {unit}"
+            if aim.target is not None and self.reached(aim) > aim.target:
+                unit = aim.unit(self.mechanism)
+                return f"the {aim.norm} is {self.reached(aim):.4g} {unit}, the target {aim.target:.4g} {unit}"
         return ""
 
     def json(self) -> dict[str, Any]:
@@ -166,7 +211,7 @@ class Design:
                 "spread": certificate.spread,
                 "stationarity": certificate.stationarity,
                 "active": [vars(active) for active in certificate.active],
-                "floors": certificate.floors,
+                "floors": [vars(floor) for floor in certificate.floors],
                 "flat": certificate.flat,
                 "quadrature": certificate.quadrature,
             },
@@ -179,15 +224,23 @@ class Design:
         """Keys in references.bib of what the design relies on."""
         keys = ["mujoco", "clarabel"]
         for balancer in self.balancers:
-            keys += list(getattr(type(balancer), "sources", ()))
-            keys += list(getattr(type(getattr(balancer, "law", None)), "sources", ()))
-            keys += list(getattr(type(getattr(balancer, "mass", None)), "sources", ()))
+            keys += _sources(balancer)
         return list(dict.fromkeys(keys))
 
     def __str__(self) -> str:
         from equipoise.reporting.words import summary
 
         return summary(self)
+
+
+def _sources(item: Any) -> list[str]:
+    """The sources that a balancer and all it is made of name."""
+    if isinstance(item, tuple):
+        return [key for entry in item for key in _sources(entry)]
+    if not is_dataclass(item):
+        return []
+    inner = [key for part in fields(item) for key in _sources(getattr(item, part.name))]
+    return [*getattr(type(item), "sources", ()), *inner]
 
 
 def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
@@ -224,9 +277,63 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
 
 def _weight_part(design: Design, weight: Any) -> dict[str, Any]:
     mass, where = weight.place(design.values)
-    return {
+    part = {
         "name": weight.name,
         "kind": "counterweight",
         "mass": mass,
         "ends": [{"body": weight.at.body, "at": [float(v) for v in where]}],
     }
+    if not isinstance(weight.shape, PointMass):
+        part["inertia"] = weight.inertia(design.values).tolist()
+    if isinstance(weight.shape, Disc) and weight.shape.density is not None:
+        part["thickness"] = weight.shape.thickness_of(mass)
+    return part
+
+
+def _rotor_part(design: Design, rotor: Any) -> dict[str, Any]:
+    part = {
+        "name": rotor.name,
+        "kind": "counter_rotor",
+        "body": rotor.body,
+        "ratio": float(rotor.ratio),
+        "inertia": rotor.found(design.values),
+        "mass": rotor.own_mass(design.values),
+        "ends": [{"body": rotor.at.body, "at": [float(v) for v in rotor.at.at]}],
+    }
+    if design.states.rates is not None:
+        torque = rotor.mesh_torque(design.states, design.values)
+        part["mesh_torque"] = [float(torque.min()), float(torque.max())]
+        if design.sweep.instants is not None:
+            part["torque_reversals"] = reversals(torque)
+        part["preload"] = float(max(0.0, min(torque.max(), -torque.min())))
+    return part
+
+
+def reversals(torque: np.ndarray) -> int:
+    """How often a torque over time (N,) changes its sign; what is rounding does not count."""
+    signs = np.sign(torque[np.abs(torque) > 1e-9 * max(float(np.abs(torque).max(initial=0.0)), 1e-300)])
+    return int((np.diff(signs) != 0).sum())
+
+
+def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:
+    part: dict[str, Any] = {"name": wheel.name, "kind": "flywheel", "axis": wheel.normal.tolist(), "mass": wheel.mass}
+    part["ends"] = [{"body": "world", "at": [0.0, 0.0, 0.0]}]
+    law = design.flywheel_law(wheel)
+    if law is None:
+        return part | {"inertia": wheel.inertia}
+    return part | {
+        "inertia": law.inertia,
+        "needs": dict(law.needs),
+        "torque": float(np.abs(law.torque).max()),
+        "speed": float(np.abs(law.speed).max()),
+        "power": float(np.abs(law.power).max()),
+        "angle": float(law.angle[-1]),
+    }
+
+
+_PARTS = {
+    Spring: _spring_part,
+    Counterweight: _weight_part,
+    CounterRotor: _rotor_part,
+    Flywheel: _flywheel_part,
+}

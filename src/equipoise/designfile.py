@@ -11,13 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from equipoise.assemble import effort
+from equipoise.affine import merge_unknowns
+from equipoise.assemble import Balancer, account
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import ProblemError
-from equipoise.objective import goals_of
+from equipoise.floors import Floor
 from equipoise.parameters import unit_of, write
 from equipoise.problem import Problem, problem_of
-from equipoise.verbs.analyze import tables
+from equipoise.steepness import Account
+from equipoise.verbs.analyze import before_and_after
 from equipoise.yamlfile import Document
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -49,14 +51,17 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
             raise ProblemError(f"geometry {parameter!r} is not in the problem's `shape`", where=name)
     balancers = write(problem.balancers, geometry)
     states = problem.mechanism.states(problem.sweep)
-    whole = effort(problem.mechanism, balancers, states)
-    missing = [unknown.name for unknown in whole.unknowns if unknown.name not in values]
+    unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
+    missing = [unknown.name for unknown in unknowns if unknown.name not in values]
     if missing:
         raise ProblemError(f"there is no value for {', '.join(missing)}", where=f"{name}, unknowns")
-    ordered = {unknown.name: values[unknown.name] for unknown in whole.unknowns}
-    theta = np.array(list(ordered.values()))
+    ordered = {unknown.name: values[unknown.name] for unknown in unknowns}
+
+    def told(parts: tuple[Balancer, ...]) -> Account:
+        return lambda other: account(problem.mechanism, parts, other, problem.objective, ordered)
+
     mechanism, sweep = problem.mechanism, problem.sweep
-    goals = goals_of(problem.objective)
+    before, after = before_and_after(mechanism, sweep, states, told(()), told(balancers))
     design = Design(
         mechanism=mechanism,
         balancers=balancers,
@@ -65,9 +70,9 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         objective=problem.objective,
         limits=problem.limits,
         values=ordered,
-        units={u.name: u.unit for u in whole.unknowns} | {g: unit_of(balancers, g) for g in geometry},
-        before=tables(mechanism, sweep, states, (), np.zeros(0), goals),
-        after=tables(mechanism, sweep, states, balancers, theta, goals),
+        units={u.name: u.unit for u in unknowns} | {g: unit_of(balancers, g) for g in geometry},
+        before=before,
+        after=after,
         certificate=_certificate(data.get("certificate"), name),
         geometry=geometry,
         bounds={parameter: problem.bounds[parameter] for parameter in geometry},
@@ -114,8 +119,8 @@ def _certificate(found: Any, name: str) -> Certificate:
     try:
         kept = {key: value for key, value in found.items() if key in known}
         kept["active"] = tuple(Active(**entry) for entry in kept.get("active", ()))
-        for key in ("floors", "flat"):
-            kept[key] = tuple(kept.get(key, ()))
+        kept["floors"] = tuple(Floor(**entry) for entry in kept.get("floors", ()))
+        kept["flat"] = tuple(kept.get("flat", ()))
         return Certificate(**kept)
     except (AttributeError, TypeError):
         raise ProblemError("the certificate is missing or incomplete", where=f"{name}, certificate") from None

@@ -182,7 +182,7 @@ def _union(options: tuple[Any, ...]) -> Any:
         shape = "null" if value is None else "block" if isinstance(value, dict) else "scalar"
         wanted = [f"list {len(value)}", "list", "form"] if isinstance(value, list) else [shape]
         wanted += ["form", "family"] if shape == "block" else []
-        if isinstance(value, dict) and tags & set(value):
+        if (isinstance(value, dict) and tags & set(value)) or (isinstance(value, str) and value in tags):
             wanted = ["family", *wanted]
         for kind in [*wanted, *(kind for kind in shapes if kind[:4] == "list" and isinstance(value, list))]:
             if kind in shapes:

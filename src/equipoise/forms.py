@@ -137,7 +137,7 @@ class Form:
         """Whether a bare value fills the first field: the only one that must be given, and no block of its own."""
         known = parameters(self.constructor)
         required = [name for name, (_, needed, _) in known.items() if needed]
-        return required == list(known)[:1] and _scalar(known[required[0]][0])
+        return bool(required) and required == list(known)[:1] and _scalar(known[required[0]][0])
 
     def _fields(self, value: Any, names: tuple[str, ...], reading: Reading) -> Mapping[str, Any]:
         if value is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,14 +14,16 @@ import numpy as np
 from mujoco.batch import Batch
 
 from equipoise.affine import Affine, Array, Block
-from equipoise.errors import InputError, ModelError, nearest
+from equipoise.errors import InputError, nearest
+from equipoise.models.notices import errors, refusals
 from equipoise.units import Acceleration
 
 if TYPE_CHECKING:
     from equipoise.states import States
     from equipoise.sweep import Sweep
 
-KEPT_BATCHES = 4
+ANSWERED = ("hold", "drive", "force", "moment", "mass", "energy", "storage")
+"""What mechanism and balancers answer of a state."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ class Mechanism:
     singularity: float = 1e-3
     source: Path | None = None
     platform: Platform | None = None
-    _batches: dict[int, Batch] = field(default_factory=dict, repr=False)
+    _batches: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def load(
@@ -167,20 +170,29 @@ class Mechanism:
         """Total mass, kg."""
         return float(self.model.body_mass.sum())
 
-    def batch(self, count: int) -> Batch:
-        """A MuJoCo batch of `count` postures that computes statics only; kept, since building one costs a millisecond.
+    def forward(self, q: Array, velocity: Array | None, names: Sequence[str]) -> list[Array]:
+        """Fields (N, ...) that MuJoCo computes of postures q (N, nq) at velocities (N, nv), on all cores.
 
-        Constraints and contacts are off, potential energy is on.
+        None is at rest. Constraints and contacts are off, potential energy is on. The batch is kept and grows with
+        the largest request, since building one costs a millisecond.
         """
-        kept = self._batches
-        if count not in kept:
+        count, kept = len(q), self._batches
+        if kept.get("size", 0) < count:
             bare = copy.copy(self.model)
             bare.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
             bare.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
-            while len(kept) >= KEPT_BATCHES:
-                kept.pop(next(iter(kept)))
-            kept[count] = Batch(bare, count)
-        return kept[count]
+            size = max(64, count)
+            kept.clear()
+            kept.update(size=size, batch=Batch(bare, size))
+        for name in ("qpos", "qvel", *names):
+            if name not in kept:
+                kept[name] = kept["batch"].bind(name)
+        kept["qpos"][:count] = q
+        kept["qvel"][:count] = 0.0 if velocity is None else velocity
+        stage = int(mujoco.mjtStage.mjSTAGE_VEL)
+        with errors(self.name):
+            kept["batch"].forward(ids=np.arange(count, dtype=np.int32), stage=stage)
+        return [np.array(kept[name][:count]) for name in names]
 
     def states(self, sweep: Sweep) -> States:
         """Close the loops and do the kinematics of a sweep once."""
@@ -192,13 +204,25 @@ class Mechanism:
         """The mechanism's own share of a goal, without unknowns.
 
         `hold`: tau = D^T (qfrc_bias - qfrc_spring) - sum m g . J, per driven joint (N, nd), N m or N;
+        `drive`: what the motors supply over a motion, inertia, weight, springs and dampers of the file (N, nd);
+        `force`, `moment`: F = dp/dt and M = dL/dt about the world origin (N, 3), the wrench of the base on the
+        mechanism, weight left out; `mass`: what is added, kg;
         `energy`: the potential of all weights and of springs already in the file (N, 1), J.
         """
+        from equipoise.momentum import FORCE, MASS, MOMENT, bare_drive, bare_wrench
+
         if goal == "hold":
             return Affine.known(self.driven_blocks, states.holding)
+        if goal == "drive":
+            return Affine.known(self.driven_blocks, sum(bare_drive(states), start=np.zeros(1)))
+        if goal in ("force", "moment"):
+            first, block = (0, FORCE) if goal == "force" else (3, MOMENT)
+            return Affine.known((block,), bare_wrench(states)[:, first : first + 3])
+        if goal == "mass":
+            return Affine.known((MASS,), np.zeros((1, 1)))
         if goal == "energy":
             return Affine.known((Block("energy", "J"),), states.potential[:, None])
-        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy"]))
+        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ANSWERED))
 
     def with_model(self, spec: mujoco.MjSpec) -> Mechanism:
         """The same mechanism over an edited spec whose joints are the same."""
@@ -206,12 +230,9 @@ class Mechanism:
 
 
 def compile_spec(spec: mujoco.MjSpec, name: str) -> mujoco.MjModel:
-    """Compile a spec; MuJoCo's own message becomes a ModelError."""
-    try:
+    """Compile a spec; MuJoCo's own message becomes a ModelError, its warnings never a log file."""
+    with refusals(name):
         return spec.compile()
-    except ValueError as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"MuJoCo refuses the model: {reason}", where=name) from None
 
 
 def cable_ends(model: mujoco.MjModel, name: str) -> tuple[Point, Point]:

@@ -9,13 +9,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-from equipoise.errors import EquipoiseError, InputError, ProblemError
+from equipoise.balancers.spring import Spring
+from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
 from equipoise.forms import Form, Later, Reading
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.places import REMEDY, problem_error, where
 from equipoise.sweep import Sweep
-from equipoise.tags import BALANCER, LIMIT, MAKE, MECHANISM, SWEEP
+from equipoise.tags import BALANCER, LIMIT, MAKE, MECHANISM, START, SWEEP
 from equipoise.units import Measured, to_si
 from equipoise.yamlfile import Document, read_yaml
 
@@ -33,8 +34,9 @@ class ProblemFile:
     """A problem: what moves, over which poses, what is added, what may change shape, what must hold, what counts.
 
     mechanism is a robot file `{model: path}` or a builder; sweep the poses that matter (default: 2048 Sobol
-    poses over the joint limits); shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; make
-    lists cams and drums that `equipoise make` cuts.
+    poses over the joint limits); start {spring: {prescribed: ...}} derives a spring's geometry, from which shape then
+    starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; make lists cams and drums that
+    `equipoise make` cuts.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -42,6 +44,7 @@ class ProblemFile:
     mechanism: Annotated[Any, MECHANISM]
     sweep: Annotated[Any, SWEEP] | None = None
     balancers: tuple[Annotated[Any, BALANCER], ...] = ()
+    start: Mapping[str, Annotated[Any, START]] | None = None
     shape: Mapping[str, tuple[Any, Any]] | None = None
     search: Search = field(default_factory=Search)
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
@@ -81,10 +84,17 @@ class Problem:
             self._joint_units(later)
             return later(self.mechanism)
 
-    @property
+    @functools.cached_property
     def balancers(self) -> tuple[Any, ...]:
-        """What is added, at the geometry of the file."""
-        return self.content.balancers
+        """What is added, at the geometry of the file or of its `start`."""
+        found = {balancer.name: balancer for balancer in self.content.balancers}
+        for name, start in (self.content.start or {}).items():
+            with self.at("start", name):
+                if not isinstance(found.get(name), Spring):
+                    springs = [other.name for other in found.values() if isinstance(other, Spring)]
+                    raise InputError(f"there is no spring {name!r} to start", hint=nearest(name, springs))
+                found[name] = start.apply(self.mechanism, found[name], self.sweep)
+        return tuple(found.values())
 
     @property
     def limits(self) -> tuple[Any, ...]:

@@ -81,7 +81,8 @@ def _form(form: Form, block: Block, _resolved: Callable[[Block], Block]) -> Bloc
     named = {**block, "additionalProperties": False, "description": inspect.getdoc(form.constructor) or form.name}
     first = [next(iter(block["properties"].values()))] if form.bare else []
     # `tag:` with nothing behind it is a constructor without arguments.
-    return {"title": form.name, "anyOf": [named, listed, *first, *([] if required else [{"type": "null"}])], **defs}
+    ways = [named, listed] if block["properties"] else [named]
+    return {"title": form.name, "anyOf": [*ways, *first, *([] if required else [{"type": "null"}])], **defs}
 
 
 def _family(family: Family, block: Block, resolved: Callable[[Block], Block]) -> Block:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
-import mujoco
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.loops import ancestors, close_loops
+from equipoise.errors import InputError
+from equipoise.loops import accelerations, ancestors, close_loops, close_motion
 from equipoise.mechanism import Mechanism, Point
 
 if TYPE_CHECKING:
+    import mujoco
+
     from equipoise.sweep import Sweep
 
 
@@ -49,12 +51,8 @@ class Kinematics:
 
 def kinematics(mechanism: Mechanism, q: Array) -> Kinematics:
     """Forward kinematics, gravity and file springs of all postures on all cores."""
-    batch = mechanism.batch(len(q))
-    batch.bind("qpos")[:] = q
     names = ("xpos", "xmat", "subtree_com", "cdof", "qfrc_bias", "qfrc_spring", "energy")
-    bound = [batch.bind(name) for name in names]
-    batch.forward(stage=int(mujoco.mjtStage.mjSTAGE_VEL))
-    xpos, xmat, com, cdof, bias, spring, energy = (np.array(array) for array in bound)
+    xpos, xmat, com, cdof, bias, spring, energy = mechanism.forward(q, None, names)
     return Kinematics(
         q=q,
         xpos=xpos,
@@ -65,6 +63,50 @@ def kinematics(mechanism: Mechanism, q: Array) -> Kinematics:
         spring=spring,
         energy=energy[:, 0],
     )
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """How the postures move: velocity and acceleration of the driven joints (N, nd) and of all dofs (N, nv).
+
+    cdof_dot (N, nv, 6) are the rates of the motion axes, damper (N, nv) the file's own damping forces.
+    """
+
+    driven_velocity: Array
+    driven_acceleration: Array
+    velocity: Array
+    acceleration: Array
+    cdof_dot: Array
+    damper: Array
+
+    def take(self, rows: slice) -> Rates:
+        """Some of the rows."""
+        return Rates(*(getattr(self, field.name)[rows] for field in fields(Rates)))
+
+
+def rates(mechanism: Mechanism, q: Array, transmission: Array, driven: tuple[Array, Array]) -> Rates:
+    """Exact velocities D v and accelerations D a + Ddot v of all dofs, for driven (v, a) (N, nd) each."""
+    v, a = driven
+    velocity, start = ((transmission @ x[..., None])[..., 0] for x in (v, a))
+    cdof_dot, damper = mechanism.forward(q, velocity, ("cdof_dot", "qfrc_damper"))
+    cdof_dot = cdof_dot.reshape(len(q), -1, 6)
+    acceleration = accelerations(mechanism, q, velocity, cdof_dot, start)
+    return Rates(v, a, velocity, acceleration, cdof_dot, damper)
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """A body's frame X (N, 3, 4) = [R | o] with its first two time derivatives: a point x = (r, 1) is at X x.
+
+    slope (N, nd, 3, 4) is dX/dq_driven; spin and push (N, 3) are angular velocity and acceleration.
+    """
+
+    frame: Array
+    speed: Array
+    bend: Array
+    slope: Array
+    spin: Array
+    push: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,16 +124,26 @@ class States:
     payload_mass: Array
     kin: Kinematics
     D: Array
+    rates: Rates | None = None
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
+    _placements: dict[int, Placement] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(mechanism: Mechanism, sweep: Sweep) -> States:
         """Close the loops of a sweep's poses and compute their kinematics, one row per pose and payload."""
         driven, weight, payload_mass = sweep.rows()
-        q, transmission = close_loops(mechanism, driven)
-        kin = kinematics(mechanism, q)
         points = tuple(payload.point for payload in sweep.payloads)
-        return States(mechanism, driven, weight, points, payload_mass, kin, transmission)
+        moving = None
+        if sweep.instants is None:
+            q, transmission = close_loops(mechanism, driven)
+        else:
+            time = np.tile(sweep.instants.time, len(sweep.scenarios))
+            q, transmission = close_motion(mechanism, sweep.instants.motion, time)
+        if sweep.moves is not None:
+            _, v, a = (np.tile(part, (len(sweep.scenarios), 1)) for part in sweep.moves.rows)
+            moving = rates(mechanism, q, transmission, (v, a))
+        kin = kinematics(mechanism, q)
+        return States(mechanism, driven, weight, points, payload_mass, kin, transmission, moving)
 
     def __len__(self) -> int:
         return len(self.driven)
@@ -107,6 +159,7 @@ class States:
             self.payload_mass[rows],
             kin,
             self.D if len(self.D) == 1 else self.D[rows],
+            None if self.rates is None else self.rates.take(rows),
         )
 
     def point(self, point: Point | Spot) -> tuple[Array, Array]:
@@ -141,6 +194,91 @@ class States:
         """World rotation (N, 3, 3) of a body and its angular-velocity Jacobian (N, 3, nd)."""
         index = self.mechanism.body_id(body)
         return self.kin.xmat[:, index], self._twist(index)[1]
+
+    @property
+    def moving(self) -> Rates:
+        """Velocities and accelerations; raises InputError for states at rest."""
+        if self.rates is None:
+            raise InputError(
+                "inertia needs a motion, and the sweep is a set of poses",
+                where="sweep",
+                hint="sweep: {motion: {joint: expression in t}, duration: 1 s}",
+            )
+        return self.rates
+
+    @property
+    def momenta(self) -> States:
+        """The same states with velocities in the place of accelerations: `force` and `moment` then answer p and L.
+
+        F = dp/dt and p are the same linear function of Xddot and of Xdot.
+        """
+        places = {}
+        for body in range(self.mechanism.model.nbody):
+            place = self.placement(self.mechanism.model.body(body).name)
+            places[body] = replace(place, bend=place.speed, push=place.spin)
+        return replace(self, _placements=places)
+
+    def carried(self, body: int) -> bool:
+        """Whether any joint moves a body (by number)."""
+        return bool(ancestors(self.mechanism.model, body))
+
+    def acceleration(self, point: Point) -> Array:
+        """World acceleration (..., N, 3) of a body's point; coordinates may be complex or carry candidates."""
+        bend = self.placement(point.body).bend
+        local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
+        return bend[..., 3] + (bend[..., :3] @ local[..., None])[..., 0]
+
+    def point_wrench(self, point: Point, mass: Any) -> Array:
+        """Rate of linear and angular momentum (..., N, 6) of a point mass, kg, about the world origin."""
+        position, acceleration = self.point(point)[0], self.acceleration(point)
+        x, y, z = (position[..., i] for i in range(3))
+        a, b, c = (acceleration[..., i] for i in range(3))
+        rate = np.stack(np.broadcast_arrays(a, b, c, y * c - z * b, z * a - x * c, x * b - y * a), axis=-1)
+        return np.asarray(mass)[..., None] * rate
+
+    def point_inertia(self, point: Point, mass: Any) -> Array:
+        """Effort (..., N, nd) of the driven joints that accelerates a point mass, kg, weight left out."""
+        jacobian = self.point(point)[1]
+        pull = np.einsum("...i,...ij->...j", self.acceleration(point), jacobian)
+        return np.asarray(mass)[..., None] * pull
+
+    def placement(self, body: str) -> Placement:
+        """Frame of a body with its time derivatives and its slope in driven coordinates."""
+        index = self.mechanism.body_id(body)
+        if index not in self._placements:
+            self._placements[index] = self._place(index)
+        return self._placements[index]
+
+    def _place(self, body: int) -> Placement:
+        moving, kin = self.moving, self.kin
+        dofs = ancestors(self.mechanism.model, body)
+        origin, turn = kin.xpos[:, body], kin.xmat[:, body]
+        if not dofs:
+            none = np.zeros((len(self), 3, 4))
+            return Placement(np.concatenate([turn, origin[..., None]], axis=2), none, none,
+                             np.zeros((len(self), self.driven.shape[1], 3, 4)), none[..., 0], none[..., 0])  # fmt: skip
+        axes, v = kin.cdof[:, dofs], moving.velocity[:, dofs, None]
+        twist = (axes * v).sum(axis=1)
+        rate = (axes * moving.acceleration[:, dofs, None] + moving.cdof_dot[:, dofs] * v).sum(axis=1)
+        arm = origin - kin.com[:, body]
+        spin, push = skew(twist[:, :3]), skew(rate[:, :3])
+        velocity = twist[:, 3:] + (spin @ arm[..., None])[..., 0]
+        acceleration = rate[:, 3:] + (push @ arm[..., None] + spin @ velocity[..., None])[..., 0]
+        linear, angular = self._twist(body)
+        along = skew(np.swapaxes(angular, 1, 2))
+        steer = np.swapaxes(linear, 1, 2) + (along @ arm[:, None, :, None])[..., 0]
+
+        def joined(rotation: Array, translation: Array) -> Array:
+            return np.concatenate([rotation, translation[..., None]], axis=-1)
+
+        return Placement(
+            joined(turn, origin),
+            joined(spin @ turn, velocity),
+            joined((push + spin @ spin) @ turn, acceleration),
+            joined(along @ turn[:, None], steer),
+            twist[:, :3],
+            rate[:, :3],
+        )
 
     @cached_property
     def holding(self) -> Array:
@@ -180,3 +318,10 @@ class States:
                 motion = np.swapaxes(self.kin.cdof[:, dofs], 1, 2) @ self.D[:, dofs]
                 self._bodies[body] = (motion[:, 3:], motion[:, :3])
         return self._bodies[body]
+
+
+def skew(vector: Array) -> Array:
+    """The matrices (..., 3, 3) that cross a vector (..., 3) with another."""
+    x, y, z = (vector[..., i] for i in range(3))
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*vector.shape, 3)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -15,13 +14,16 @@ from numpy.typing import NDArray
 
 from equipoise import workspace
 from equipoise.affine import Array
-from equipoise.errors import InputError, nearest
+from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, Point
-from equipoise.units import Joint, Length, Mass, Number, to_si
+from equipoise.motion.drivers import Driver
+from equipoise.motion.motion import of_drivers, read_motion
+from equipoise.motion.moves import Free, Moves, Timed, take
+from equipoise.posefile import held, read_columns
+from equipoise.units import Joint, Length, Mass, Number, Time, to_si
 
 MAX_POSES = 5_000_000
-RESULTS = ("before ", "after ", "payload ")
-"""Heads of columns that a report's residuals.csv holds beside the poses."""
+INSTANTS = 721
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,8 @@ class Sweep:
     the region that the poses stand for, or None for a bare list; payloads K points and scenarios (S, K) kg;
     label says in words what was swept; sampled poses may be refined between the samples; finer makes the same
     region with a finer quadrature, whose difference is the error of this one; outline is the polygon
-    (joint numbers, corners (V, 2)) that two joints stay in.
+    (joint numbers, corners (V, 2)) that two joints stay in; moves gives the states velocities and accelerations
+    (then poses are its rows), None leaves them at rest.
     """
 
     poses: Array
@@ -65,6 +68,7 @@ class Sweep:
     sampled: bool = False
     payloads: tuple[Payload, ...] = ()
     scenarios: Array = None  # type: ignore[assignment]
+    moves: Moves | None = None
     finer: Callable[[], Sweep] | None = None
     outline: tuple[tuple[int, int], Array] | None = None
 
@@ -231,7 +235,11 @@ class Sweep:
         headed `before ...`, `after ...` and `payload ...`, as reports write them, are results and left out.
         """
         if isinstance(poses, str | Path):
-            table, weights = _read_csv(mechanism, Path(poses))
+            columns = read_columns(mechanism, Path(poses), {"weight": ""})
+            weights = columns.get("weight", np.ones(len(next(iter(columns.values()), ()))))
+            table = np.tile(held(mechanism), (len(weights), 1))
+            for index, joint in enumerate(mechanism.driven):
+                table[:, index] = columns.get(joint, table[:, index])
             label = f"{len(table)} poses ({Path(poses).name})"
         else:
             table = np.array([pose_vector(mechanism, pose) for pose in poses]).reshape(-1, len(mechanism.driven))
@@ -252,14 +260,113 @@ class Sweep:
         fine = ((poses >= low - slack) & (poses <= high + slack))[:, others].all(axis=1)
         return fine & workspace.contains(corners, poses[:, list(joints)])
 
-    def extended(self, poses: Array) -> Sweep:
-        """The sweep with further poses that count for peaks only."""
-        weight = np.concatenate([self.weight, np.zeros(len(poses))])
-        return replace(self, poses=np.vstack([self.poses, poses]), weight=weight)
+    @staticmethod
+    def motion(
+        mechanism: Mechanism,
+        motion: Mapping[str, Driver | Any] | str | Path,
+        *,
+        duration: Time | None = None,
+        start: Time = 0.0,
+        samples: int | None = None,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """Driven joints over time: {joint: driver}, or a CSV file with a column `time` and one per moving joint.
+
+        A driver is text in t and T (the duration), a Cycloidal, Polynomial or Spline, or a number; joints left
+        out stand still. The motion runs from `start` to `duration`, s, sampled at `samples` instants (default
+        721), ends included; a file brings its own times and instants. Weights follow the trapezoid rule, so rms
+        and mean are averages over time.
+        """
+        if isinstance(motion, str | Path):
+            if duration is not None or start:
+                raise InputError("a recorded motion brings its own times", where="sweep.motion", hint="leave them out")
+            moving, times = read_motion(mechanism, Path(motion))
+            label = Path(motion).name
+        else:
+            moving, times = of_drivers(mechanism, motion, duration, start), np.zeros(0)
+            label = "motion"
+        count = samples or (len(times) or INSTANTS)
+        if not 2 <= count <= MAX_POSES:
+            raise InputError(f"{count} instants are not a motion", where="sweep.motion", hint="samples: 721")
+        timed = Timed(moving, times if samples is None and len(times) else np.linspace(moving.start, moving.end, count))
+        label = f"{len(timed.time)} instants of {moving.end - moving.start:g} s ({label})"
+        sweep = Sweep(timed.rows[0], timed.weight, label, sampled=True, moves=timed)
+        return _with_payload(mechanism, sweep, payload)
+
+    @staticmethod
+    def any_motion(
+        mechanism: Mechanism,
+        n: int = 256,
+        *,
+        seed: int = 0,
+        ranges: Mapping[str, Sequence[Joint]] | None = None,
+        payload: Sequence[Payload] = (),
+    ) -> Sweep:
+        """n random states that the mechanism admits: poses in the joint limits (or `ranges`), moving in any way.
+
+        What vanishes on them vanishes for all motions. Velocities and accelerations are drawn from -1..1 (rad/s,
+        rad/s^2 or m/s, m/s^2). Poses that the loops do not reach from the reference are left out.
+        """
+        from equipoise.loops import reachable
+
+        if n < 1:
+            raise InputError(f"{n} states are no sample", where="sweep.any_motion")
+        box, rng = _box(mechanism, ranges or {}), np.random.default_rng(seed)
+        centre, kept = held(mechanism), np.zeros((0, len(box)))
+        for shrink in (1.0, 1.0, 0.3, 0.1, 0.03):
+            near = centre + shrink * (box - centre[:, None]).T
+            poses = near[0] + rng.random((2 * n, len(box))) * (near[1] - near[0])
+            kept = np.vstack([kept, poses[reachable(mechanism, poses)]])
+            if len(kept) >= n:
+                break
+        if len(kept) < n:
+            raise InputError(
+                f"only {len(kept)} of {n} random poses can be reached by the loops",
+                where="sweep.any_motion",
+                hint="narrow the `ranges` of the driven joints",
+            )
+        unit = np.repeat([[-1.0, 1.0]], 2 * len(box), axis=0)
+        rates = rng.uniform(-1.0, 1.0, (n, 2 * len(box)))
+        free = Free(np.hstack([kept[:n], rates]), np.vstack([np.stack([kept.min(0), kept.max(0)], 1), unit]))
+        sweep = Sweep(kept[:n], np.ones(n), f"{n} random states (seed {seed})", moves=free)
+        return _with_payload(mechanism, sweep, payload)
+
+    @property
+    def coordinates(self) -> Array:
+        """What finds a state (N, c): its pose, or the instant of a motion."""
+        return self.poses if self.moves is None else self.moves.coordinates
+
+    @property
+    def domain(self) -> Array | None:
+        """Bounds (c, 2) that the coordinates stand for, or None for a bare list."""
+        return self.box if self.moves is None else self.moves.region
+
+    @property
+    def instants(self) -> Timed | None:
+        """The motion in time that is swept, or None."""
+        return self.moves if isinstance(self.moves, Timed) else None
+
+    def at(self, coordinates: Array) -> Sweep:
+        """The same payload scenarios at other coordinates, equal weights."""
+        if self.moves is None:
+            return self.at_poses(coordinates)
+        moves = self.moves.at(coordinates)
+        return replace(self, poses=moves.rows[0], weight=np.ones(len(coordinates)), finer=None, moves=moves)
+
+    def extended(self, coordinates: Array) -> Sweep:
+        """The sweep with further states that count for peaks only."""
+        weight = np.concatenate([self.weight, np.zeros(len(coordinates))])
+        more = self.at(np.vstack([self.coordinates, coordinates]))
+        return replace(more, weight=weight, box=self.box, finer=self.finer, outline=self.outline)
+
+    def thinned(self, rows: Array) -> Sweep:
+        """Some of the states, each with a weight above zero."""
+        moves = None if self.moves is None else take(self.moves, rows)
+        return replace(self, poses=self.poses[rows], weight=np.maximum(self.weight[rows], 1e-300), moves=moves)
 
     def at_poses(self, poses: Array) -> Sweep:
-        """The same payload scenarios at other poses, equal weights."""
-        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None, finer=None, outline=None)
+        """The same payload scenarios at rest at other poses, equal weights."""
+        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None, finer=None, outline=None, moves=None)
 
     def rows(self) -> tuple[Array, Array, Array]:
         """Driven positions (S N, nd), weights (S N,) and payload masses (S N, K), scenario by scenario."""
@@ -285,14 +392,6 @@ def pose_vector(mechanism: Mechanism, pose: Mapping[str, float]) -> Array:
     for joint, value in pose.items():
         vector[_driven_index(mechanism, joint, "pose")] = to_si(value, "", f"pose, joint {joint}")
     return vector
-
-
-def held(mechanism: Mechanism) -> Array:
-    """Reference positions of the driven joints (nd,), brought inside their limits."""
-    reference = mechanism.reference[mechanism.model.jnt_qposadr[mechanism.driven_ids]]
-    box = mechanism.box
-    low, high = np.where(np.isnan(box[:, 0]), -np.inf, box[:, 0]), np.where(np.isnan(box[:, 1]), np.inf, box[:, 1])
-    return np.clip(reference, low, high)
 
 
 def _driven_index(mechanism: Mechanism, joint: str, where: str) -> int:
@@ -433,48 +532,3 @@ def _with_payload(mechanism: Mechanism, sweep: Sweep, payload: Sequence[Payload]
         return sweep
     places = tuple(Payload(body, 0.0, at) for body, at in points)  # type: ignore[arg-type]
     return replace(sweep, payloads=places, scenarios=np.array(list(itertools.product(*points.values()))))
-
-
-def _read_csv(mechanism: Mechanism, path: Path) -> tuple[Array, Array]:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as stream:
-            lines = [line for line in csv.reader(stream) if any(cell.strip() for cell in line)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"cannot read the poses: {error}", where=str(path)) from None
-    if len(lines) < 2:
-        raise InputError("the file has no poses", where=str(path), hint="one header line, then a line per pose")
-    heads = [_header(cell, mechanism, path) for cell in lines[0]]
-    table = np.tile(held(mechanism), (len(lines) - 1, 1))
-    weight = np.ones(len(table))
-    for row, line in enumerate(lines[1:]):
-        where = f"{path}, line {row + 2}"
-        if len(line) != len(heads):
-            raise InputError(f"{len(line)} values for {len(heads)} columns", where=where)
-        for (name, unit), cell in zip(heads, line, strict=True):
-            if not name:
-                continue
-            try:
-                value = float(cell)
-            except ValueError:
-                raise InputError(f"{cell!r} is not a number", where=f"{where}, column {name}") from None
-            if not math.isfinite(value):
-                raise InputError(f"{cell.strip()} is not a finite number", where=f"{where}, column {name}")
-            if name == "weight":
-                weight[row] = value
-            else:
-                table[row, mechanism.driven.index(name)] = to_si(f"{value!r} {unit}", "rad") if unit else value
-    return table, weight
-
-
-def _header(cell: str, mechanism: Mechanism, path: Path) -> tuple[str, str]:
-    name, _, unit = cell.partition("[")
-    name, unit = name.strip(), unit.strip().rstrip("]").strip()
-    if name == "weight":
-        return name, ""
-    if name not in mechanism.driven and name.startswith(RESULTS):
-        return "", ""
-    if name not in mechanism.driven:
-        raise InputError(
-            f"column {name!r} is not a driven joint", where=f"{path}, line 1", hint=nearest(name, mechanism.driven)
-        )
-    return name, unit

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.laws import (
     BSpline,
     Coil,
@@ -19,6 +21,7 @@ from equipoise.balancers.laws import (
     Torsion,
     WireMass,
     ZeroFreeLength,
+    gas_cylinder,
 )
 from equipoise.balancers.paths import (
     Absolute,
@@ -40,7 +43,9 @@ from equipoise.balancers.paths import (
     Turn,
     Winding,
 )
+from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
 from equipoise.balancers.spring import Spring
+from equipoise.balancers.synthesis import Prescribed
 from equipoise.forms import Family, Form
 from equipoise.limits import (
     Convex,
@@ -67,6 +72,7 @@ from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
+from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -89,8 +95,15 @@ SWEEPS: dict[str, Callable[..., Any]] = {
     "polygon": Sweep.polygon,
     "box": Sweep.region,
     "poses": Sweep.of_poses,
+    "motion": Sweep.motion,
+    "any_motion": Sweep.any_motion,
 }
-BALANCERS: dict[str, Callable[..., Any]] = {"spring": Spring, "counterweight": Counterweight}
+BALANCERS: dict[str, Callable[..., Any]] = {
+    "spring": Spring,
+    "counterweight": Counterweight,
+    "counter_rotor": CounterRotor,
+    "flywheel": Flywheel,
+}
 TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
 SHAFTS: dict[str, Callable[..., Any]] = {**TURNS, "winding": Winding}
 PATHS: dict[str, Callable[..., Any]] = {
@@ -106,6 +119,7 @@ PATHS: dict[str, Callable[..., Any]] = {
     "reel": Reel,
 }
 PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
+STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
@@ -113,6 +127,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "coil": Coil,
     "constant": Constant,
     "gas": Gas,
+    "gas_cylinder": gas_cylinder,
     "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
@@ -120,6 +135,13 @@ LAWS: dict[str, Callable[..., Any]] = {
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
+SHAPES: dict[str, Callable[..., Any]] = {"point": PointMass, "disc": Disc, "plate": Plate, "solid": Solid}
+DRIVERS: dict[str, Callable[..., Any]] = {
+    "expression": Expression,
+    "cycloidal": Cycloidal,
+    "polynomial": TimePolynomial,
+    "spline": TimeSpline,
+}
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
     "force": Force,
@@ -163,8 +185,11 @@ LAW = Family("law", _members(LAWS))
 TURN = Family("angle", _members(TURNS))
 SHAFT = Family("angle", _members(SHAFTS))
 PROFILE = Family("profile", _members(PROFILES))
+START = Family("start", _members(STARTS))
 PULLEY = Family("pulley", _members(PULLEYS))
 MASS = Family("mass", _members(MASSES))
+SHAPE = Family("shape", _members(SHAPES))
+DRIVER = Family("driver", _members(DRIVERS))
 MAKE = Family("part to make", _members(MAKES))
 EXPONENT = Family("exponent", _members(EXPONENTS))
 
@@ -181,6 +206,8 @@ def family_of(hint: Any) -> Family | Form | None:
         (PROFILE, PROFILES),
         (PULLEY, PULLEYS),
         (MASS, MASSES),
+        (SHAPE, SHAPES),
+        (DRIVER, {"any": Driver, **DRIVERS}),
         (EXPONENT, EXPONENTS),
     ):
         if isinstance(hint, type) and hint in table.values():

@@ -14,7 +14,8 @@ from equipoise.balancers.laws import Law, Stored, WireMass
 from equipoise.balancers.paths import Path, Place
 from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.errors import InputError, nearest
-from equipoise.mechanism import Mechanism, Point
+from equipoise.mechanism import ANSWERED, Mechanism, Point
+from equipoise.momentum import FORCE, MASS, MOMENT
 from equipoise.parameters import tag
 from equipoise.states import States
 from equipoise.units import Mass, Measured, Number, along_path, unit_marks
@@ -119,8 +120,8 @@ class Spring:
         for bound, reached, side in zip(self.law.span, (length.min(), length.max()), (1, -1), strict=True):
             if bound is not None and side * (reached - float(bound)) < -1e-12 * abs(float(bound)):
                 raise InputError(
-                    f"spring {self.name} reaches {reached:.6g} {self.path.unit}, "
-                    f"its {self.law.span_words} ends at {float(bound):.6g} {self.path.unit}",
+                    f"it reaches {reached:.6g} {self.path.unit}, "
+                    f"the {self.law.span_words} of its law ends at {float(bound):.6g} {self.path.unit}",
                     where=f"spring {self.name}",
                     hint="move its ends, narrow the sweep, or change the law",
                 )
@@ -129,10 +130,20 @@ class Spring:
         """The spring's share of a goal.
 
         `hold`: (B theta + f0) dl/dq plus the weight of its own mass, per driven joint;
+        `drive`: the same plus the inertia of its own mass; `force`, `moment`: its own mass alone; `mass`, kg;
         `energy`: E theta + e0 plus the potential of its own mass, J; `storage`: the elastic part alone, J.
         """
-        if goal == "hold":
+        if goal in ("force", "moment"):
+            first, block = (0, FORCE) if goal == "force" else (3, MOMENT)
+            shake = np.zeros((len(states), 3)) + self._shake(states)[..., first : first + 3]
+            return Affine((block,), shake, self.unknowns, np.zeros((*shake.shape, len(self.unknowns))))
+        if goal == "mass":
+            own = np.real(np.zeros((1, 1)) + self.own_mass)
+            return Affine((MASS,), own, self.unknowns, np.zeros((*own.shape, len(self.unknowns))))
+        if goal in ("hold", "drive"):
             rate, basis, b = self.factors(states)
+            if goal == "drive":
+                b = b + sum(states.point_inertia(point, mass) for point, mass in self._moving)
             return Affine(states.mechanism.driven_blocks, b, self.unknowns, basis[..., None, :] * rate[..., :, None])
         length, _ = self.path.deform(states)
         if goal in ("energy", "storage"):
@@ -140,7 +151,23 @@ class Spring:
             own = self._weight(states, goal) if goal == "energy" else 0.0
             name = Block("energy", "J") if goal == "energy" else STORAGE
             return Affine((name,), (known + own)[..., None], self.unknowns, basis[..., None, :])
-        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ["hold", "energy", "storage"]))
+        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ANSWERED))
+
+    @property
+    def _moving(self) -> list[tuple[Point, Any]]:
+        """Points and masses, kg, that inertia counts; raises InputError where a mass moves within its body."""
+        found = [(place, mass) for place, mass in self.masses if not isinstance(place, Point) or place.body != "world"]
+        for place, _ in found:
+            if not isinstance(place, Point):
+                raise InputError(
+                    f"the inertia of spring {self.name}'s own mass is not known: its ends move within bodies",
+                    where=f"spring {self.name}",
+                    hint="leave its mass out for goals of a motion",
+                )
+        return found  # type: ignore[return-value]
+
+    def _shake(self, states: States) -> Any:
+        return sum((states.point_wrench(point, mass) for point, mass in self._moving), start=np.zeros((1, 6)))
 
     def factors(self, states: States) -> tuple[Array, Array, Array]:
         """dl/dq (..., N, nd), B (..., N, P) and the constant (..., N, nd) of its effort dl/dq (B theta) + constant."""

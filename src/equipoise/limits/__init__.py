@@ -4,6 +4,7 @@ from equipoise.limits.cable import Tension, Transmission, WindUp
 from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
 from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
+from equipoise.limits.realisable import realisable
 from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
 
 __all__ = [
@@ -24,4 +25,5 @@ __all__ = [
     "Transmission",
     "WindUp",
     "implied",
+    "realisable",
 ]

@@ -1,4 +1,4 @@
-"""Limits on springs that sit behind a reel: the cable's tension, the wind-up of a torsion spring, transmission angles."""
+"""Limits on springs behind a reel: the cable's tension, the wind-up of a torsion spring, transmission angles."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ START = 129
 FINE = 4001
 """Lengths among which the worst are looked for, before each is polished."""
 POLISH = 40
+DEGREE = math.pi / 180
 
 
 @dataclass(frozen=True)
@@ -139,8 +140,8 @@ class Transmission:
     """
 
     spring: str
-    min: units.Angle = math.radians(30)
-    max: units.Angle = math.radians(150)
+    min: units.Angle = 30 * DEGREE
+    max: units.Angle = 150 * DEGREE
     over: tuple[units.Length, units.Length] | None = None
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:

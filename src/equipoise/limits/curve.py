@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, cast
+from typing import ClassVar, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -29,8 +29,12 @@ FORCE_PER_ORDER = ("N or N m", "N/m or N m/rad", "N/m^2 or N m/rad^2")
 WORDS = ("force", "slope", "curvature")
 
 
+@runtime_checkable
 class Curve(Protocol):
     """A limit over an interval: the sum of derivatives of the force, `orders`, weighed by `weights`."""
+
+    orders: ClassVar[tuple[int, ...]]
+    """Which derivatives of the force are added up."""
 
     @property
     def spring(self) -> str:
@@ -55,11 +59,6 @@ class Curve(Protocol):
     @property
     def samples(self) -> int | None:
         """How many equally spaced lengths are asked for, None for all."""
-        ...
-
-    @property
-    def orders(self) -> tuple[int, ...]:
-        """Which derivatives of the force are added up."""
         ...
 
 
@@ -127,9 +126,17 @@ class Convex(OverInterval):
     over: tuple[units.Extent, units.Extent]
     radius: units.Length
     samples: int | None = None
-    min: ClassVar[float] = 0.0
-    max: ClassVar[None] = None
     orders: ClassVar[tuple[int, ...]] = (0, 2)
+
+    @property
+    def min(self) -> float:
+        """Convex from here on."""
+        return 0.0
+
+    @property
+    def max(self) -> None:
+        """No upper bound."""
+        return
 
     @property
     def weights(self) -> tuple[float, float]:
@@ -238,7 +245,7 @@ def rows(limit: Curve, spring: Spring, lengths: Array | None = None) -> tuple[Ro
         lengths = pieces.start() if limit.samples is None else _samples(limit)
     basis, known = pieces.at(lengths)
     unit = path_unit(FORCE_PER_ORDER[limit.orders[-1] if len(limit.orders) == 1 else 0], spring)
-    what = "convexity" if len(limit.orders) > 1 else WORDS[limit.orders[0]]
+    what = WORDS[limit.orders[0]] if len(limit.orders) == 1 else "convexity"
     assert limit.over is not None
     ends = " to ".join(units.text(end, spring.path.unit) for end in limit.over)
     made = sides(f"{what} of {limit.spring} over {ends}", unit, basis, known, spring.unknowns, limit.min, limit.max)

@@ -13,7 +13,7 @@ from equipoise.errors import InputError
 from equipoise.solve.program import Rows
 
 
-def sides(  # noqa: PLR0917 - two arrays and two ends of one thing
+def sides(
     what: str, unit: str, basis: Array, known: Array, unknowns: tuple[Unknown, ...], low: Any, high: Any
 ) -> tuple[Rows, ...]:
     """Rows of low <= basis theta + known <= high, one per state."""

@@ -16,6 +16,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.limits import curve
 from equipoise.limits.limit import Setting
+from equipoise.limits.realisable import room
 from equipoise.limits.sides import path_unit, scale_of, sides
 from equipoise.solve.program import Rows
 
@@ -131,7 +132,7 @@ class Stiffness:
 
 @dataclass(frozen=True)
 class MassCap:
-    """m <= max of a counterweight's mass, kg; a free place also stays within its reach."""
+    """m <= max of a counterweight's mass, kg; a free place also stays within its reach. For all masses: goal `mass`."""
 
     counterweight: str
     max: units.Mass
@@ -145,24 +146,25 @@ class MassCap:
 
 
 def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tuple[Rows, ...]:
-    """Rows that balancers ask for by themselves: spans of laws, free lengths within them, reach of counterweights, paths that close."""
+    """Rows that balancers ask for by themselves: spans of laws, needs of paths, reach of counterweights."""
     rows: list[Rows] = []
     for balancer in balancers:
         if isinstance(balancer, Spring):
-            rows += _span(balancer, setting) + _needs(balancer, setting)
-        elif balancer.reach is not None:
-            rows += _reach(balancer)
+            rows += _span(balancer, setting)
+            rows += _needs(balancer, setting)
+        elif isinstance(balancer, Counterweight) and balancer.reach is not None:
+            rows += room(balancer) if balancer.second else _reach(balancer)
     return tuple(rows)
 
 
 def _needs(spring: Spring, setting: Setting) -> list[Rows]:
-    """What the path's geometry must keep at every state."""
-    found = []
+    """What the geometry of a path must keep where it is not fixed: rods that reach, points outside of pulleys."""
+    rows = []
     for need in spring.path.needs(setting.states):
         none = np.zeros((*need.room.shape, 0), dtype=need.room.dtype)
-        where = np.arange(need.room.shape[-1])
-        found.append(Rows(f"{need.limit} of {spring.name}", need.unit, none, need.room, (), where, scale=need.scale))
-    return found
+        state = np.arange(need.room.shape[-1])
+        rows.append(Rows(f"{need.limit} of {spring.name}", need.unit, none, need.room, (), state, scale=need.scale))
+    return rows
 
 
 def _span(spring: Spring, setting: Setting) -> list[Rows]:

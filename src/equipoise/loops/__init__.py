@@ -1,6 +1,16 @@
 """Closed loops: dependent joints and transmission of many poses at once."""
 
-from equipoise.loops.close import close_loops, loop_report, tighten_loops
+from equipoise.loops.close import close_loops, loop_report, reachable, tighten_loops
 from equipoise.loops.posture import ancestors
+from equipoise.loops.rates import accelerations
+from equipoise.loops.track import close_motion
 
-__all__ = ["ancestors", "close_loops", "loop_report", "tighten_loops"]
+__all__ = [
+    "accelerations",
+    "ancestors",
+    "close_loops",
+    "close_motion",
+    "loop_report",
+    "reachable",
+    "tighten_loops",
+]

@@ -6,6 +6,7 @@ import weakref
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.errors import InputError, LoopError
@@ -13,13 +14,14 @@ from equipoise.loops.branch import Branch, reference_branch
 from equipoise.loops.messages import advice, blocked_way, gap, pose_text
 from equipoise.loops.posture import Evaluator, qpos_width
 from equipoise.loops.roadmap import Blocked, follow
-from equipoise.loops.walk import Closed
+from equipoise.loops.walk import Closed, walk
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
 
 _CHUNK = 16384
 _ROUNDING = 1e-11  # dimensionless residual beyond which a posture does not count as closed
+_evaluators: weakref.WeakKeyDictionary[Mechanism, Evaluator] = weakref.WeakKeyDictionary()
 _known: weakref.WeakKeyDictionary[Mechanism, Branch | None] = weakref.WeakKeyDictionary()
 
 
@@ -45,15 +47,15 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     Raises LoopError for a pose that does not close or lies beyond or within the margin of a singularity,
     InputError for positions that are not finite or driven joints that contradict each other or are too few.
     """
-    driven = _checked(mechanism, driven)
+    driven = checked(mechanism, driven)
     model, joints = mechanism.model, mechanism.driven_ids
-    branch = _branch(mechanism)
+    branch = branch_of(mechanism)
     home = mechanism.reference if branch is None else branch.home.q[0]
     q = np.tile(home, (len(driven), 1))
     q[:, model.jnt_qposadr[joints]] = driven
     if branch is None or not len(driven):
-        return q, _selection(mechanism)
-    evaluate = Evaluator(model)
+        return q, selection_of(mechanism)
+    evaluate = evaluator_of(mechanism)
     origin = branch.home if start is None else _origin(mechanism, branch, evaluate, start)
     postures = _followed(mechanism, branch, evaluate, origin, driven)
     postures[:, model.jnt_qposadr[joints]] = driven
@@ -66,13 +68,13 @@ def tighten_loops(mechanism: Mechanism, near: Array) -> tuple[Array, Array]:
     The driven joints stay where near has them; Newton's steps move the others, and near names the branch of each
     pose by itself. Raises LoopError for a pose that does not close, or closes within the margin of a singularity.
     """
-    branch = _branch(mechanism)
+    branch = branch_of(mechanism)
     if branch is None:
-        return near, _selection(mechanism)
-    return _settled(mechanism, branch, Evaluator(mechanism.model), near)
+        return near, selection_of(mechanism)
+    return _settled(mechanism, branch, evaluator_of(mechanism), near)
 
 
-def _selection(mechanism: Mechanism) -> Array:
+def selection_of(mechanism: Mechanism) -> Array:
     """dq/dq_driven (1, nv, nd) without loops."""
     joints = mechanism.driven_ids
     selection = np.zeros((1, mechanism.model.nv, len(joints)))
@@ -83,14 +85,27 @@ def _selection(mechanism: Mechanism) -> Array:
 def _settled(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, near: Array) -> tuple[Array, Array]:
     """Postures refined to rounding, and their transmission."""
     driven = near[:, mechanism.model.jnt_qposadr[mechanism.driven_ids]]
-    selection = _selection(mechanism)
+    selection = selection_of(mechanism)
     q, transmission = near.copy(), np.repeat(selection, len(near), axis=0)
     for first in range(0, len(near), _CHUNK):
         part = slice(first, first + _CHUNK)
-        closed = _refined(mechanism, branch, evaluate, near[part], driven[part])
+        closed = refined(mechanism, branch, evaluate, near[part], driven[part])
         q[part] = closed.q
-        transmission[part] += _transmission(branch, closed, selection.shape)
+        transmission[part] += transmission_of(branch, closed, selection.shape)
     return q, transmission
+
+
+def reachable(mechanism: Mechanism, driven: Array) -> NDArray[np.bool_]:
+    """Which poses (N, nd) the loops reach straight from the reference, without meeting a singular posture."""
+    driven = checked(mechanism, driven)
+    branch = branch_of(mechanism)
+    if branch is None:
+        return np.ones(len(driven), dtype=bool)
+    loop, model = branch.loop, mechanism.model
+    here = branch.home.q[0, model.jnt_qposadr[model.dof_jntid[loop.driven]]]
+    span = (driven[:, branch.places] - here) / loop.columns[loop.driven]
+    start = branch.home.rows(np.zeros(len(driven), dtype=int))
+    return walk(loop, evaluator_of(mechanism), start, span).arrived
 
 
 def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
@@ -99,21 +114,30 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     The gap is the largest over the loops, angles counted at the characteristic length; without loops it is
     zero and the singular value infinite.
     """
-    branch = _branch(mechanism)
+    branch = branch_of(mechanism)
     q = np.atleast_2d(np.asarray(q, dtype=float))
     if branch is None:
         return np.zeros(len(q)), np.full(len(q), np.inf)
-    closed = branch.loop.linearise(Evaluator(mechanism.model), q)
+    closed = branch.loop.linearise(evaluator_of(mechanism), q)
     return gap(branch.loop, closed), closed.sigma
 
 
-def _branch(mechanism: Mechanism) -> Branch | None:
+def branch_of(mechanism: Mechanism) -> Branch | None:
+    """The loops of a mechanism on the branch of its reference; None without loops."""
     if mechanism not in _known:
         _known[mechanism] = reference_branch(mechanism)
     return _known[mechanism]
 
 
-def _checked(mechanism: Mechanism, driven: Array) -> Array:
+def evaluator_of(mechanism: Mechanism) -> Evaluator:
+    """The mechanism's kinematics for loops, kept since its batch costs a millisecond to build."""
+    if mechanism not in _evaluators:
+        _evaluators[mechanism] = Evaluator(mechanism.model)
+    return _evaluators[mechanism]
+
+
+def checked(mechanism: Mechanism, driven: Array) -> Array:
+    """Driven positions (N, nd) as floats; raises InputError where they are not finite or not as many."""
     driven = np.asarray(driven, dtype=float)
     if driven.ndim != 2 or driven.shape[1] != len(mechanism.driven):
         raise InputError(
@@ -172,7 +196,8 @@ def _followed(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, origin:
     return result[back.ravel()]
 
 
-def _refined(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+def refined(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+    """Postures closed to rounding; raises LoopError for one that stays open, or closes too near a singularity."""
     # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
     turns = 2 if branch.curved.all() else 8
     closed = branch.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
@@ -195,7 +220,8 @@ def _refined(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, postures
     return closed
 
 
-def _transmission(branch: Branch, closed: Closed, shape: tuple[int, ...]) -> Array:
+def transmission_of(branch: Branch, closed: Closed, shape: tuple[int, ...]) -> Array:
+    """dq/dq_driven (N, nv, nd) in the rows of dependent joints."""
     loop = branch.loop
     follow_up = closed.rate * loop.columns[loop.dependent][:, None] / loop.columns[loop.driven]
     part = np.zeros((len(closed.q), *shape[1:]))

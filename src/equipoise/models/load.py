@@ -10,11 +10,11 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import InputError, ModelError, nearest
-from equipoise.mechanism import Mechanism
+from equipoise.mechanism import Mechanism, compile_spec
 from equipoise.models.audit import feature_remarks, mass_remarks, refuse_nonsense
 from equipoise.models.driven import choose_driven
 from equipoise.models.mjcf import read_mjcf
-from equipoise.models.notices import listen, refusals
+from equipoise.models.notices import listen
 from equipoise.models.packages import resolve
 from equipoise.models.urdf import read_urdf
 from equipoise.models.xmlfile import read_xml
@@ -51,15 +51,15 @@ def load(
         spec.compiler.savecompiled = False
         # For muscles the compiler would simulate until their length settles, which a bad file never does.
         spec.compiler.LRopt.mode = int(mujoco.mjtLRMode.mjLRMODE_NONE)
-        compiled = _compile(spec, where)
+        compiled = compile_spec(spec, where)
         refuse_nonsense(compiled, where)
         if _take_motor_limits(spec, compiled):
-            compiled = _compile(spec, where)
+            compiled = compile_spec(spec, where)
         reference = _reference(compiled, branch, where)
         choice = choose_driven(compiled, reference, driven, where)
         if choice.loose:
             _lock(spec, compiled, choice.loose, reference)
-            compiled = _compile(spec, where)
+            compiled = compile_spec(spec, where)
     audit = [*mass_remarks(compiled), *remarks, *feature_remarks(compiled, gravity is not None)]
     if not choice.driven:
         why = "; ".join([*remarks, *choice.remarks(compiled, reference)]) or "the file has no hinge and no slide"
@@ -76,11 +76,6 @@ def load(
         remarks=tuple(dict.fromkeys([*audit, *(f"MuJoCo: {line}" for line in said)])),
         source=path.absolute(),
     )
-
-
-def _compile(spec: mujoco.MjSpec, where: str) -> mujoco.MjModel:
-    with refusals(where):
-        return spec.compile()
 
 
 def _set_gravity(spec: mujoco.MjSpec, gravity: Sequence[float], where: str) -> None:

@@ -25,13 +25,19 @@ class _Ear:
         self.before = before
 
     def __call__(self, message: str) -> None:
-        listener = _heard.get()
-        if listener is not None:
-            listener.append(tidy(message))
-        elif self.before is not None:
+        if _heard.get() is None and self.before is not None:
             self.before(message)
         else:
-            _log.warning("%s", tidy(message))
+            _tell(message)
+
+
+def _tell(message: str) -> None:
+    """To whoever listens, else to the log."""
+    listener = _heard.get()
+    if listener is not None:
+        listener.append(tidy(message))
+    else:
+        _log.warning("%s", tidy(message))
 
 
 def install() -> None:
@@ -56,15 +62,21 @@ def listen() -> Iterator[list[str]]:
 @contextlib.contextmanager
 def refusals(where: str, hint: str = "") -> Iterator[None]:
     """Turn whatever MuJoCo or its binding raises in this block into a ModelError at `where`, and hear its warnings."""
+    install()
+    # The compiler speaks through Python's warnings, everything else of MuJoCo through the callback.
+    with warnings.catch_warnings(record=True) as caught, errors(where, hint):
+        warnings.simplefilter("always")
+        yield
+    for warning in caught:
+        _tell(str(warning.message))
+
+
+@contextlib.contextmanager
+def errors(where: str, hint: str = "") -> Iterator[None]:
+    """Turn what MuJoCo or its binding raises in this block into a ModelError at `where`."""
     kinds = (ValueError, RuntimeError, TypeError, KeyError, OverflowError, OSError, mujoco.FatalError)
     try:
-        # The compiler speaks through Python's warnings, everything else of MuJoCo through the callback.
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            yield
-        heard = _heard.get()
-        if heard is not None:
-            heard.extend(tidy(str(warning.message)) for warning in caught)
+        yield
     except EquipoiseError:
         raise
     except MemoryError:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from equipoise.affine import Array
+from equipoise.balancers.paths import Sketch
 from equipoise.reporting import style
 from equipoise.reporting.numbers import plain
 from equipoise.reporting.sample import Sample
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COILS = 9
+RING, WOUND = 49, 3
+"""Points of a circle, and turns of a wound spring."""
+
 SHARES = tuple(i / 8 for i in range(9))
 """Where a line is looked at to keep names off it."""
 
@@ -42,6 +46,8 @@ def draw(ax: Axes, sample: Sample, scene: Scene, view: View) -> None:
         ax.plot(*place, "o", ms=6.5, mfc=face, mec=style.INK, mew=1.2, zorder=4)
     size = float(np.ptp(view.flat(scene.points), axis=0).max())
     solid = _trail(scene, view)
+    for number, sketch in scene.paths:
+        _leads(ax, sketch, view, size, sample.design.balancers[number].name, part_colour(number))
     for number, a, b in scene.springs:
         _spring(ax, view.flat(a), view.flat(b), 0.012 * size, part_colour(number))
         label = (sample.design.balancers[number].name, part_colour(number))
@@ -72,6 +78,37 @@ def coil(a: Array, b: Array, width: float) -> Array:
     share = np.concatenate([[0.0, 0.12], np.linspace(0.12, 0.88, 2 * COILS + 1)[1:-1], [0.88, 1.0]])
     side = np.concatenate([[0, 0], [(-1) ** i for i in range(2 * COILS - 1)], [0, 0]])
     return a + share[:, None] * along + width * side[:, None] * across
+
+
+def _leads(ax: Axes, sketch: Sketch, view: View, size: float, name: str, colour: str) -> None:
+    """Cranks, rods, cables, pulleys and wound springs of a path."""
+    for bar in sketch.bars:
+        line = view.flat(bar).T
+        ax.plot(*line, color="white", lw=4.6, zorder=4.3, solid_capstyle="round")
+        ax.plot(*line, color=colour, lw=3.0, alpha=0.75, zorder=4.4, solid_capstyle="round", solid_joinstyle="round")
+        ax.plot(*line, "o", ms=3.2, mfc="white", mec=colour, mew=1.0, zorder=4.5)
+    for line in sketch.lines:
+        ax.plot(*view.flat(line).T, color=colour, lw=1.1, zorder=4.6)
+    for centre, radius, axis in sketch.discs:
+        ring = view.flat(_ring(centre, axis, np.full(RING, radius)))
+        ax.fill(*ring.T, facecolor="white", edgecolor=colour, lw=1.2, zorder=4.2)
+        ax.plot(*view.flat(centre), "o", ms=2.4, color=colour, zorder=4.3)
+    for centre, axis in sketch.spirals:
+        growth = 0.045 * size * np.linspace(0.25, 1.0, WOUND * RING)
+        ax.plot(*view.flat(_ring(centre, axis, growth, WOUND)).T, color=colour, lw=1.7, zorder=5.1)
+        ax.annotate(
+            name, _pair(view.flat(centre)), xytext=(0, -20), textcoords="offset points", color=colour, weight="bold",
+            ha="center", va="top", path_effects=style.halo(), zorder=7,
+        )  # fmt: skip
+
+
+def _ring(centre: Array, axis: Array, radius: Array, turns: int = 1) -> Array:
+    """Points (P, 3) at radii (P,) around an axis."""
+    first = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    first = first / np.linalg.norm(first)
+    second = np.cross(axis / np.linalg.norm(axis), first)
+    angle = np.linspace(0.0, 2 * np.pi * turns, len(radius))[:, None]
+    return centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
 
 
 def _spring(ax: Axes, a: Array, b: Array, width: float, colour: str) -> None:

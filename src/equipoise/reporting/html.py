@@ -5,6 +5,9 @@ from __future__ import annotations
 from importlib.resources import files
 
 from equipoise import __version__
+from equipoise.balancers.counter_rotor import CounterRotor
+from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.reporting import phrases, sections, tables
@@ -53,13 +56,17 @@ def page(design: Design, model: str) -> str:
 
 
 def _header(design: Design) -> Raw:
-    springs = sum(isinstance(balancer, Spring) for balancer in design.balancers)
-    weights = len(design.balancers) - springs
-    counts = ((springs, "spring"), (weights, "counterweight"))
+    kinds = (
+        (Spring, "spring"),
+        (Counterweight, "counterweight"),
+        (CounterRotor, "counter-rotor"),
+        (Flywheel, "flywheel"),
+    )
+    counts = [(sum(isinstance(balancer, kind) for balancer in design.balancers), word) for kind, word in kinds]
     added = " and ".join(f"{count} {word}{'s' * (count > 1)}" for count, word in counts if count)
     return element(
         "header",
-        element("p", "Static balance report", class_="kicker"),
+        element("p", f"{'Static' if design.sweep.moves is None else 'Dynamic'} balance report", class_="kicker"),
         element("h1", f"{design.mechanism.name}, balanced with {added}"),
         element("p", phrases.result(design), class_="result"),
         element("p", phrases.headline(design), class_="sub-line"),

@@ -13,7 +13,19 @@ from equipoise.parameters import tag
 from equipoise.reporting.numbers import SHOWN, place, plain, quantity, shown, sig, sort_out, span
 from equipoise.units import along_path
 
-STEPS = {"m": 0.01, "N": 10.0, "N/m": 100.0, "kg": 0.1, "kg m": 0.01, "rad": 0.0174532925, "N m": 1.0}
+STEPS = {
+    "m": 0.01,
+    "m^2": 1e-4,
+    "m^3": 1e-3,
+    "N": 10.0,
+    "N/m": 100.0,
+    "N m/rad": 1.0,
+    "Pa": 1e5,
+    "kg": 0.1,
+    "kg m": 0.01,
+    "rad": 0.0174532925,
+    "N m": 1.0,
+}
 """How far a limit is relaxed when its price is put into words, SI."""
 
 BOUND = re.compile(r"([<>]=) *(-?[\d.]+(?:e[+-]?\d+)?)")
@@ -71,7 +83,7 @@ def result(design: Design) -> str:
 
 def main_joint(design: Design) -> str:
     """The counted joint that gains most, as a share of what it may supply or of the largest load."""
-    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    counted = {row for aim in design.objective for row in aim.counted(design.mechanism)}
     norm = design.norm
     by_motor = any(aim.divisor for aim in design.objective)
 
@@ -94,9 +106,34 @@ def law_words(part: Mapping[str, Any], balancer: Any) -> str:
 
 
 def weight_words(part: Mapping[str, Any], design: Design) -> str:
-    """`counterweight, 2.6 kg`; a mass at rounding level is none."""
+    """`counterweight, 2.6 kg`, `counter-rotor, 0.0058 kg m^2`; a mass at rounding level is none."""
+    if part["kind"] == "counter_rotor":
+        return _rotor_words(part)
+    if part["kind"] == "flywheel":
+        return _flywheel_words(part)
     wanted = part["mass"] > 1e-9 * design.mechanism.mass
     return f"counterweight, {plain(part['mass'])} kg" if wanted else "counterweight, 0 kg: it does not help here"
+
+
+def _rotor_words(part: Mapping[str, Any]) -> str:
+    sense = "against" if part["ratio"] > 0 else "along with"
+    words = f"counter-rotor, {quantity(part['inertia'], 'kg m^2')}"
+    words += f" at ratio {plain(abs(part['ratio']))} {sense} {part['body']}"
+    if part["mass"]:
+        words += f", {plain(part['mass'])} kg"
+    if "torque_reversals" in part:
+        words += f"; {part['torque_reversals']} torque reversals a run"
+        words += f", anti-backlash preload {quantity(part['preload'], 'N m', 3)}"
+    return words
+
+
+def _flywheel_words(part: Mapping[str, Any]) -> str:
+    if "speed" not in part:
+        return "flywheel on the base"
+    return (
+        f"flywheel on the base, {quantity(part['inertia'], 'kg m^2')}: up to {quantity(part['speed'], 'rad/s')}, "
+        f"{quantity(part['torque'], 'N m')}, {quantity(part['power'], 'W')}"
+    )
 
 
 def parameter_words(parameters: Mapping[str, float], units: Mapping[str, str]) -> list[str]:
@@ -201,21 +238,27 @@ def is_natural(active: Active) -> bool:
 
 
 def limit_words(limit: str) -> str:
-    """A limit's name with its value in mm or degrees where it is a length or an angle."""
+    """A limit's name with its value in mm, degrees, litres or bar where it is a length, an angle, a volume ..."""
 
     def convert(match: re.Match[str]) -> str:
         return quantity(float(match[1]), match[2])
 
-    return re.sub(r"(-?\d[\d.]*(?:e[+-]?\d+)?) (m|rad)(?=$|[\s);,])", convert, limit)
+    return re.sub(r"(-?\d[\d.]*(?:e[+-]?\d+)?) (m\^[23]|m|rad|Pa|K)(?=$|[\s);,])", convert, limit)
 
 
 def floor_words(design: Design) -> list[str]:
-    """Joints whose own load holds the objective up although no part reaches them."""
+    """What holds the objective up although no part can lower it."""
     words = []
-    for joint in design.certificate.floors:
-        row = design.after[joint]
+    for floor in design.certificate.floors:
+        row = design.after[floor.row]
         kind = "torque" if row.unit == "N m" else "force"
-        words.append(f"{joint}'s own {kind} ({sig(row.peak)} {row.unit}), which no added part reaches")
+        size = f"{sig(row.peak)} {row.unit}"
+        if floor.cause == "own":
+            words.append(f"{floor.row}'s own {kind} ({size}), which no added part reaches")
+        else:
+            words.append(
+                f"the payload: half of what it changes at {floor.row} ({size}), which no fixed design can beat"
+            )
     return words
 
 
@@ -262,8 +305,8 @@ def next_steps(design: Design) -> list[str]:
     steps = []
     if design.missed:
         steps.append("relax the target, free more geometry, or add a part")
-    if c.floors:
-        acting = " and ".join(c.floors)
+    if own := [floor.row for floor in c.floors if floor.cause == "own"]:
+        acting = " and ".join(own)
         steps.append(f"add a spring with {acting} between its ends: the rest cannot fall before that does")
     bounds = [active.limit for active in c.active if active.limit.split(" ")[0] in design.geometry]
     if bounds:

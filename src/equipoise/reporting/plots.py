@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from equipoise.design import Design
 from equipoise.reporting import style
 from equipoise.reporting.curves import curves
+from equipoise.reporting.cycle import cycle
 from equipoise.reporting.drawing import drawing
 from equipoise.reporting.ledger import ledger
 from equipoise.reporting.maps import draw_map, residual_map
@@ -62,6 +63,14 @@ def pictures(design: Design) -> list[Picture]:
             "no motor. The other joints stay at the worst sample, with its payload.",
         ),
     ]
+    if design.sweep.moves is not None:
+        wanted = [wanted[0], (
+            "Over the motion",
+            cycle,
+            f"force, moment and drive of {name} over time, before and after",
+            "The wrench of the base on the mechanism, weight left out, and what the motors supply. Right: the path of "
+            "the force's tip.",
+        )]  # fmt: skip
     made = []
     for title, draw, alternative, caption in wanted:
         with style.styled():

@@ -11,10 +11,10 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError
+from equipoise.posefile import held
 from equipoise.reporting.numbers import shown, sort_out
 from equipoise.reporting.phrases import main_joint
 from equipoise.states import States
-from equipoise.sweep import held
 
 FINE = 241
 

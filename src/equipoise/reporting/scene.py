@@ -8,9 +8,11 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Array
+from equipoise.balancers.counterweight import Counterweight
+from equipoise.balancers.paths import Sketch
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
-from equipoise.mechanism import Mechanism, Point
+from equipoise.mechanism import Mechanism
 from equipoise.states import States
 
 BARS = (int(mujoco.mjtGeom.mjGEOM_CAPSULE), int(mujoco.mjtGeom.mjGEOM_CYLINDER))
@@ -20,16 +22,17 @@ BARS = (int(mujoco.mjtGeom.mjGEOM_CAPSULE), int(mujoco.mjtGeom.mjGEOM_CYLINDER))
 class Scene:
     """World coordinates, m, of what is drawn in one pose.
 
-    bars are link segments (from, to) per rigid group; joints (J, 3) with `driven` flags; springs
-    (part number, end, end); struts connect a link to a point that lies off it; weights (part number, kg,
-    place) and payloads (kg, place);
-    grounded are attachment points on the base, feet the places where the mechanism stands.
+    bars are link segments (from, to) per rigid group; joints (J, 3) with `driven` flags; springs (part number, end,
+    end) and paths (part number, sketch) with what leads to them; struts connect a link to a point that lies off it;
+    weights (part number, kg, place) and payloads (kg, place); grounded are attachment points on the base, feet the
+    places where the mechanism stands.
     """
 
     bars: list[tuple[Array, Array]]
     joints: Array
     driven: Array
     springs: list[tuple[int, Array, Array]]
+    paths: list[tuple[int, Sketch]]
     struts: list[tuple[Array, Array]]
     weights: list[tuple[int, float, Array]]
     payloads: list[tuple[float, Array]]
@@ -41,7 +44,8 @@ class Scene:
         """All points (P, 3), for the picture's frame."""
         ends = [end for bar in self.bars for end in bar] + [end for _, a, b in self.springs for end in (a, b)]
         more = [place for *_, place in self.weights] + [place for _, place in self.payloads]
-        return np.vstack([*ends, *more, self.joints])
+        led = [place for _, sketch in self.paths for place in sketch.points]
+        return np.vstack([*ends, *more, *led, self.joints])
 
 
 def scene(design: Design, states: States, row: int) -> Scene:
@@ -52,7 +56,7 @@ def scene(design: Design, states: States, row: int) -> Scene:
     groups = {
         group: [(xpos[a] + xmat[a] @ p, xpos[b] + xmat[b] @ r) for a, p, b, r in bars] for group, bars in local.items()
     }
-    springs, weights, struts, grounded = [], [], [], []
+    springs, paths, weights, struts, grounded = [], [], [], [], []
 
     def attach(body: str, place: Array) -> None:
         group = int(mechanism.model.body_weldid[mechanism.body_id(body)])
@@ -64,12 +68,13 @@ def scene(design: Design, states: States, row: int) -> Scene:
 
     for number, balancer in enumerate(design.balancers):
         if isinstance(balancer, Spring):
-            drawn = balancer.path.sketch(states, row).spring
-            if drawn is not None:
-                springs.append((number, drawn[0], drawn[-1]))
-            for point in [place for place, _ in balancer.path.ends() if isinstance(place, Point)]:
+            drawn = balancer.path.sketch(states, row)
+            paths.append((number, drawn))
+            if drawn.spring is not None:
+                springs.append((number, drawn.spring[0], drawn.spring[-1]))
+            for point in drawn.anchors:
                 attach(point.body, states.point(point)[0][row])
-        else:
+        elif isinstance(balancer, Counterweight):
             mass, where = balancer.place(design.values)
             body = mechanism.body_id(balancer.at.body)
             place = xpos[body] + xmat[body] @ where
@@ -82,7 +87,8 @@ def scene(design: Design, states: States, row: int) -> Scene:
         attach(point.body, place)
     joints, driven = _joints(mechanism, xpos, xmat)
     return Scene(
-        [bar for bars in groups.values() for bar in bars], joints, driven, springs, struts, weights, payloads, grounded,
+        [bar for bars in groups.values() for bar in bars], joints, driven, springs, paths, struts, weights, payloads,
+        grounded,
         _feet(mechanism, xpos, groups.get(0, [])),
     )  # fmt: skip
 

@@ -20,7 +20,7 @@ HONEST = (
     "Links are rigid; the answer is quasi-static: every pose is held still, nothing accelerates.",
     "Friction and hysteresis come on top of the residual shown; they are not designed away.",
     "A robot file is only as good as its masses: weigh the heaviest link before buying springs.",
-    "A heavy spring's own mass is lumped half at each end, which is exact for a spring of zero free length.",
+    "A heavy spring's own mass is lumped at its two ends, which is exact for a spring of zero free length.",
     "Nothing here checks that a spring clears the links: look at the drawing, then at the assembly.",
 )
 

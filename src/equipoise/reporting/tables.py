@@ -6,11 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design, Row
 from equipoise.reporting import phrases
 from equipoise.reporting.markup import Raw, clean, element, join, listing, section, small, table
 from equipoise.reporting.numbers import percent, plain, quantity, shown, sig, sort_out, span
+from equipoise.reporting.pathwords import path_words
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Bound
@@ -25,7 +27,7 @@ PERCENT = (
 def before_after(design: Design) -> Raw:
     """The table of all joints that carry a load."""
     matter = sort_out(design.before, design.after)[0]
-    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    counted = {row for aim in design.objective for row in aim.counted(design.mechanism)}
     rows = []
     for joint in matter:
         before, after = design.before[joint], design.after[joint]
@@ -63,8 +65,9 @@ def parts(design: Design) -> Raw:
         words = phrases.law_words(part, balancer) if spring else phrases.weight_words(part, design)
         ends = [[end["body"], *(_coordinate(value) for value in end["at"])] for end in part["ends"]]
         where = table(["attached to link", "x [mm]", "y [mm]", "z [mm]"], ends, numbers=1)
+        led = [element("p", path_words(balancer.path))] if spring and not isinstance(balancer.path, Line) else []
         does = table(["over the sweep", ""], _facts(part), numbers=1) if spring else Raw("")
-        blocks += [element("h3", f"{part['name']}: {words}"), element("div", where, does, class_="pair")]
+        blocks += [element("h3", f"{part['name']}: {words}"), *led, element("div", where, does, class_="pair")]
     lead = "Points are in the link's own frame, as the robot file defines it; the link called world is the base."
     return section("Parts and attachment points", *blocks, _found(design), lead=lead)
 

@@ -6,9 +6,11 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from equipoise.balancers.paths import Line
 from equipoise.design import Design, Row
 from equipoise.reporting import phrases
 from equipoise.reporting.numbers import percent, plain, sig, sort_out
+from equipoise.reporting.pathwords import path_words
 
 if TYPE_CHECKING:
     from equipoise.verbs.analyze import Analysis
@@ -80,7 +82,7 @@ def _advice(analysis: Analysis) -> str:
 
 def _rows(design: Design) -> list[str]:
     matter = sort_out(design.before, design.after)[0]
-    counted = {joint for aim in design.objective for joint in aim.counted(design.mechanism)}
+    counted = {row for aim in design.objective for row in aim.counted(design.mechanism)}
     body = []
     for joint in matter:
         before, after = design.before[joint], design.after[joint]
@@ -115,16 +117,22 @@ def _table(
     return lines
 
 
+def _led(part: Mapping[str, Any], balancer: Any) -> str:
+    """Where a spring on a straight line is hooked on, or what leads to any other."""
+    return phrases.where_words(part) if isinstance(balancer.path, Line) else path_words(balancer.path)
+
+
 def _part(part: Mapping[str, Any], balancer: object, design: Design) -> list[str]:
     if part["kind"] == "spring":
         name = f"spring {part['name']}"
         return [
             *_labelled(name, phrases.law_words(part, balancer)),
-            *_labelled("", phrases.where_words(part)),
+            *_labelled("", _led(part, balancer)),
             *_labelled("", phrases.work_words(part)),
             *(_labelled("", words) if (words := phrases.stored_words(part)) else []),
         ]
-    name = f"weight {part['name']}"
+    word = {"counterweight": "weight", "counter_rotor": "rotor", "flywheel": "flywheel"}[part["kind"]]
+    name = f"{word} {part['name']}"
     return [*_labelled(name, phrases.weight_words(part, design)), *_labelled("", f"at {phrases.where_words(part)}")]
 
 

@@ -21,8 +21,9 @@ class Working:
 class Answer:
     """What a solver says: theta and a multiplier for every working sample, row, bound and cap.
 
-    y[i] stacks the rows of term i's working samples, level[i] is the multiplier of an rms term's cone; excess
-    is the common relative excess of an elastic program.
+    y[i] stacks the rows of term i's working samples, of an rms term those of its triangle (or none, where
+    level[i] along the residual says all); level[i] is the multiplier of an rms term's cone; excess
+    is the common relative excess of an elastic program, definite[k] (k, k) the multiplier of a definite matrix.
     """
 
     feasible: bool
@@ -31,6 +32,7 @@ class Answer:
     level: list[float] = field(default_factory=list)
     row: list[Array] = field(default_factory=list)
     cap: list[float] = field(default_factory=list)
+    definite: list[Array] = field(default_factory=list)
     lower: Array = field(default_factory=lambda: np.zeros(0))
     upper: Array = field(default_factory=lambda: np.zeros(0))
     excess: float = 0.0

@@ -68,6 +68,10 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
         price = multiplier if rows.equality else np.maximum(multiplier, 0.0)
         rows_at.append(columns.add(rows.G[chosen], -rows.h[chosen], price))
     P = len(theta)
+    definite_at = [
+        columns.add(-one.S.reshape(P, -1).T, -one.S0.ravel(), Z.ravel())
+        for one, Z in zip(program.definite, answer.definite, strict=True)
+    ]
     lower = columns.add(
         -np.eye(P), np.where(np.isfinite(program.lower), program.lower, 0.0), np.maximum(answer.lower, 0)
     )
@@ -85,11 +89,13 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
     one_sided = [k for k, rows in zip(rows_at, program.rows, strict=True) if not rows.equality] + [lower, upper]
     for k in one_sided:
         parts[k] = np.maximum(parts[k], 0.0)
+    for k in definite_at:
+        parts[k] = _semidefinite(parts[k])
     size = np.concatenate(parts)
     leftover, gain = size @ slope, 0.0
     norms = [_dual_norm(t, working, parts[i], i) for i, t in enumerate(program.terms)]
     if smooth is not None:
-        leftover, gain, norms[smooth] = _through_rms(program, answer, smooth, leftover)
+        leftover, gain, norms[smooth] = _through_rms(program, parts[smooth], smooth, leftover)
     # A cap's own price may be any that covers its multipliers: their dual norm is the cheapest.
     excess = max([1.0, *(norm / t.factor for t, norm in zip(program.terms, norms, strict=True) if t.cap is None)])
     caps = sum(norm * term.cap for term, norm in zip(program.terms, norms, strict=True) if term.cap is not None)
@@ -97,18 +103,26 @@ def certify(program: Program, working: Working, answer: Answer) -> tuple[Gap, Mu
     prices: dict[str, float] = {}
     for k, rows in zip(rows_at, program.rows, strict=True):
         prices[rows.limit] = prices.get(rows.limit, 0.0) + float(np.abs(parts[k]).sum() / excess)
+    for k, one in zip(definite_at, program.definite, strict=True):
+        prices[one.limit] = prices.get(one.limit, 0.0) + float(np.abs(parts[k]).sum() / excess)
     multipliers = Multipliers(prices, parts[lower] / excess, parts[upper] / excess)
     # Zero residual bounds every norm from below.
     return Gap(primal, max(dual, 0.0), program.violation(theta)), multipliers
 
 
+def _semidefinite(flat: Array) -> Array:
+    """The nearest positive semidefinite matrix, flat as it came."""
+    k = round(len(flat) ** 0.5)
+    values, vectors = np.linalg.eigh(flat.reshape(k, k))
+    return ((vectors * np.maximum(values, 0.0)) @ vectors.T).ravel()
+
+
 def _term_columns(columns: _Columns, term: Term, working: Working, answer: Answer, i: int) -> None:
-    """One column group per term: its working samples, or its one cone."""
+    """One column group per term: its working samples, or the rows of its triangle."""
     if term.norm == "rms":
-        r = term.residual(answer.theta)
-        norm = max(term.value(answer.theta), 1e-300)
-        y = term.weight[:, None] * r / norm
-        columns.add(np.einsum("nr,nrp->p", y, term.A), float((y * term.b).sum()), answer.level[i])
+        direction = term.triangle @ np.append(answer.theta, 1.0)
+        along = answer.level[i] * direction / max(float(np.linalg.norm(direction)), 1e-300)
+        columns.add(term.triangle[:, :-1], term.triangle[:, -1], answer.y[i] if answer.y[i].size else along)
     else:
         _, state, row = spread(term.sizes, working.terms[i])
         columns.add(term.A[state, row], term.b[state, row], answer.y[i])
@@ -124,23 +138,21 @@ def _onto_stationarity(slope: Array, size: Array) -> Array:
     return size
 
 
-def _through_rms(program: Program, answer: Answer, i: int, residual: Array) -> tuple[Array, float, float]:
-    """Take a stationarity residual up with y + W A z of an rms term, whose multipliers are dense.
+def _through_rms(program: Program, y: Array, i: int, residual: Array) -> tuple[Array, float, float]:
+    """Take a stationarity residual up with y + R z of an rms term of triangle R, whose multipliers are dense.
 
     Returns what is left of the residual, the change of the dual value and the new dual norm.
     """
     factor = program.terms[i].triangle
     slope, known = factor[:, :-1] * program.scale, factor[:, -1]
     step = slope @ np.linalg.lstsq(slope.T @ slope, -residual * program.scale, rcond=1e-14)[0]
-    direction = factor @ np.append(answer.theta, 1.0)
-    y = answer.level[i] * direction / max(float(np.linalg.norm(direction)), 1e-300) + step
-    return residual + factor[:, :-1].T @ step, float(step @ known), float(np.linalg.norm(y))
+    return residual + factor[:, :-1].T @ step, float(step @ known), float(np.linalg.norm(y + step))
 
 
 def _dual_norm(term: Term, working: Working, y: Array, i: int) -> float:
     """Dual norm of a term's multipliers."""
     if term.norm == "rms":
-        return float(abs(y[0]))
+        return float(np.linalg.norm(y))
     sample = spread(term.sizes, working.terms[i])[0]
     magnitude = np.sqrt(np.bincount(sample, weights=y * y, minlength=len(working.terms[i])))
     if term.norm == "peak":

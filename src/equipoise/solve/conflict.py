@@ -16,6 +16,7 @@ FEASIBLE = 1e-8
 def explain(program: Program) -> str:
     """Name a smallest set of limits that conflict, with the excess that is left when all are wanted."""
     groups = sorted({rows.limit for rows in program.rows if rows.h.size})
+    groups += sorted({definite.limit for definite in program.definite})
     bounded = [u.name for u in program.unknowns if np.isfinite(u.lower) or np.isfinite(u.upper)]
     kept = list(groups) + [f"bounds of {name}" for name in bounded]
     for group in list(kept):
@@ -36,7 +37,8 @@ def excess(program: Program, groups: list[str]) -> float:
         u if f"bounds of {u.name}" in groups else replace(u, lower=-np.inf, upper=np.inf) for u in program.unknowns
     )
     working = Working([], [np.arange(len(r.h)) for r in rows])
-    answer = solve_restricted(Program(unknowns, (), rows), working, elastic=1.0)
+    definite = tuple(one for one in program.definite if one.limit in groups)
+    answer = solve_restricted(Program(unknowns, (), rows, definite), working, elastic=1.0)
     return answer.excess if answer.feasible else np.inf
 
 

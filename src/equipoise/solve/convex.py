@@ -10,7 +10,7 @@ from scipy import sparse
 
 from equipoise.affine import Array, Indices
 from equipoise.solve.answer import Answer, Working, spread
-from equipoise.solve.program import Program, Rows
+from equipoise.solve.program import Definite, Program, Rows
 
 TINY = 1e-300
 
@@ -54,8 +54,9 @@ class _Draft:
 
     def __init__(self, program: Program, working: Working, elastic: float | None) -> None:
         self.program, self.working, self.elastic = program, working, elastic
-        self.equal, self.linear, self.second = _Cone(), _Cone(), _Cone()
+        self.equal, self.linear, self.second, self.spectral = _Cone(), _Cone(), _Cone(), _Cone()
         self.sizes: list[int] = []
+        self.orders: list[int] = []
         extra = [len(w) if t.norm == "mean" else 0 for t, w in zip(program.terms, working.terms, strict=True)]
         self.first = len(program.unknowns) + len(program.terms) + np.cumsum((0, *extra))
         self.excess = int(self.first[-1])
@@ -65,9 +66,9 @@ class _Draft:
             self.linear.add([0.0], (0, self.excess, -1.0))
 
     @property
-    def cones(self) -> tuple[_Cone, _Cone, _Cone]:
-        """Equalities, inequalities and second-order cones, in the order of the multipliers."""
-        return self.equal, self.linear, self.second
+    def cones(self) -> tuple[_Cone, _Cone, _Cone, _Cone]:
+        """Equalities, inequalities, second-order and semidefinite cones, in the order of the multipliers."""
+        return self.equal, self.linear, self.second, self.spectral
 
     def limit(self, rows: Rows, chosen: Indices) -> tuple[_Cone, slice]:
         """G theta <= h, or = h, softened by the excess where there is one."""
@@ -116,6 +117,12 @@ class _Draft:
             self.linear.add([0.0], (0, level, -1.0), (0, top, weights))
         return self.second.add(rhs, (head, top, -1.0), body)
 
+    def definite(self, one: Definite) -> slice:
+        """S0 + sum theta S positive semidefinite."""
+        self.orders.append(len(one.S0))
+        slope = -triangle(one.S).T * self.program.scale
+        return self.spectral.add(triangle(one.S0), self.spectral.dense(slope))
+
     def _ease(self, size: Array) -> list[tuple[Any, Any, Any]]:
         """What the excess gives to rows, in units of their size."""
         return [(np.arange(len(size)), self.excess, -size)] if self.elastic is not None else []
@@ -128,11 +135,12 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
     bounds = [draft.bound(program.lower, -1.0), draft.bound(program.upper, 1.0)]
     caps = [draft.price(i) for i in range(len(loads))]
     terms = [draft.term(i) for i in range(len(loads))]
-    solution = _clarabel(draft.cost, draft.cones, draft.sizes)
+    spectral = [draft.definite(one) for one in program.definite]
+    solution = _clarabel(draft.cost, draft.cones, draft.sizes, draft.orders)
     if "Infeasible" in str(solution.status):
         return Answer(False, np.zeros(P))
     x, z = np.array(solution.x), np.array(solution.z) * max(np.abs(draft.cost).max(), TINY)
-    begin = dict(zip(draft.cones, np.cumsum((0, draft.equal.count, draft.linear.count)).tolist(), strict=True))
+    begin = dict(zip(draft.cones, np.cumsum((0, *[cone.count for cone in draft.cones[:-1]])).tolist(), strict=True))
 
     def dual(cone: _Cone, place: slice) -> Array:
         return z[begin[cone] + place.start : begin[cone] + place.stop]
@@ -150,8 +158,9 @@ def solve_restricted(program: Program, working: Working, elastic: float | None =
         multiplier = dual(draft.second, place) / load
         smooth = term.norm == "rms"
         answer.level.append(float(multiplier[0]) if smooth else 0.0)
-        answer.y.append(np.zeros(0) if smooth else -multiplier[_below_heads(spread(term.sizes, flat)[0])])
+        answer.y.append(-multiplier[1:] if smooth else -multiplier[_below_heads(spread(term.sizes, flat)[0])])
         answer.cap.append(float(dual(draft.linear, cap)[0]) / load if cap is not None else 0.0)
+    answer.definite = [square(dual(draft.spectral, at), k) for at, k in zip(spectral, draft.orders, strict=True)]
     answer.excess = float(max(0.0, x[draft.excess])) if elastic is not None else 0.0
     return answer
 
@@ -161,7 +170,26 @@ def _below_heads(sample: Indices) -> Indices:
     return np.arange(len(sample)) + sample + 1
 
 
-def _clarabel(cost: Array, cones: tuple[_Cone, _Cone, _Cone], sizes: list[int]) -> Any:
+def triangle(matrix: Array) -> Array:
+    """Upper triangle (..., k (k + 1) / 2) of symmetric matrices, column by column, with its scalar product kept."""
+    i, j = _upper(matrix.shape[-1])
+    return matrix[..., i, j] * np.where(i == j, 1.0, np.sqrt(2.0))
+
+
+def square(values: Array, k: int) -> Array:
+    """The symmetric matrix (k, k) behind a triangle."""
+    i, j = _upper(k)
+    matrix = np.zeros((k, k))
+    matrix[i, j] = matrix[j, i] = values / np.where(i == j, 1.0, np.sqrt(2.0))
+    return matrix
+
+
+def _upper(k: int) -> tuple[Indices, Indices]:
+    j, i = np.tril_indices(k)
+    return i, j
+
+
+def _clarabel(cost: Array, cones: tuple[_Cone, ...], sizes: list[int], orders: list[int]) -> Any:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10
@@ -175,5 +203,6 @@ def _clarabel(cost: Array, cones: tuple[_Cone, _Cone, _Cone], sizes: list[int]) 
     kinds: list[Any] = [clarabel.ZeroConeT(cones[0].count)] if cones[0].count else []
     kinds += [clarabel.NonnegativeConeT(cones[1].count)] if cones[1].count else []
     kinds += [clarabel.SecondOrderConeT(size) for size in sizes]
+    kinds += [clarabel.PSDTriangleConeT(order) for order in orders]
     price = cost / max(np.abs(cost).max(), TINY)
     return clarabel.DefaultSolver(sparse.csc_matrix((width, width)), price, A, b, kinds, settings).solve()

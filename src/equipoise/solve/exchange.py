@@ -62,7 +62,10 @@ class Solution:
         if not self.program.unknowns:
             return np.zeros((0, 0))
         scale = self.program.scale
-        factor = np.vstack([term.triangle[:, :-1] for term in self.program.terms]) * scale
+        parts = [term.triangle[:, :-1] for term in self.program.terms]
+        # what a body can have binds before a residual does: such directions are not free
+        parts += [one.S.reshape(len(scale), -1).T for one in self.program.definite]
+        factor = np.vstack(parts) * scale
         _, singular, vectors = np.linalg.svd(factor)
         rank = int((singular > 1e-10 * max(singular.max(initial=0.0), 1e-300)).sum())
         return vectors[rank:] * scale
@@ -115,6 +118,7 @@ def _plain_answer(program: Program, theta: Array) -> Answer:
         answer.cap.append(0.0)
         answer.level.append(term.factor if term.value(theta) > 0 else 0.0)
     answer.row = [np.zeros(0) for _ in program.rows]
+    answer.definite = [np.zeros_like(one.S0) for one in program.definite]
     return answer
 
 

@@ -13,7 +13,7 @@ RANK = 1e-9
 
 def is_least_squares(program: Program) -> bool:
     """Whether the objective is one rms norm, without a cap, whose columns are independent."""
-    if len(program.terms) != 1 or not program.unknowns:
+    if len(program.terms) != 1 or not program.unknowns or program.definite:
         return False
     term = program.terms[0]
     if term.norm != "rms" or term.cap is not None:

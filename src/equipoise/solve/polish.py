@@ -11,6 +11,7 @@ from equipoise.solve.answer import Answer, Working, spread
 from equipoise.solve.program import Program
 
 ACTIVE = 1e-6
+VANISHED = 1e-6
 
 
 def polish(program: Program, working: Working, answer: Answer) -> Answer:
@@ -19,6 +20,7 @@ def polish(program: Program, working: Working, answer: Answer) -> Answer:
     One rms term: the equality-constrained least-squares problem on the active rows. One peak term of scalar
     blocks: the level and theta that all active samples share. Other objectives are left to the solver.
     """
+    answer = _vanished(program, answer)
     if len(program.terms) != 1 or program.terms[0].cap is not None or not program.unknowns:
         return answer
     term = program.terms[0]
@@ -35,6 +37,20 @@ def polish(program: Program, working: Working, answer: Answer) -> Answer:
     if program.violation(candidate) <= slack and program.objective(candidate) <= before * (1 + 1e-8) + 1e-300:
         return replace(answer, theta=candidate)
     return answer
+
+
+def _vanished(program: Program, answer: Answer) -> Answer:
+    """Where nearly nothing is left, the nearest theta that leaves nothing, if limits allow it."""
+    theta, load = answer.theta, sum(program.loads)
+    if not theta.size or not 0 < program.objective(theta) <= VANISHED * load:
+        return answer
+    scale = program.scale
+    factor = np.vstack([term.triangle for term in program.terms if term.cap is None])
+    step = np.linalg.lstsq(factor[:, :-1] * scale, -factor @ np.append(theta, 1.0), rcond=1e-12)[0]
+    candidate = theta + scale * step
+    allowed = max(program.violation(theta), 1e-12)
+    better = program.objective(candidate) < program.objective(theta) and program.violation(candidate) <= allowed
+    return replace(answer, theta=candidate) if better else answer
 
 
 def _active_rows(program: Program, working: Working, answer: Answer) -> tuple[Array, Array]:

@@ -95,12 +95,42 @@ class Rows:
 
 
 @dataclass(frozen=True, eq=False)
+class Definite:
+    """S0 + sum_p theta_p S_p positive semidefinite: mass parameters that a body can have.
+
+    S (P, k, k) symmetric over `unknowns`, S0 (k, k); limit says in words what is kept.
+    """
+
+    limit: str
+    S: Array
+    S0: Array
+    unknowns: tuple[Unknown, ...] = ()
+
+    def expand(self, unknowns: tuple[Unknown, ...]) -> Definite:
+        """The same condition over the program's list of unknowns."""
+        place = {unknown.name: index for index, unknown in enumerate(unknowns)}
+        wide = np.zeros((len(unknowns), *self.S0.shape))
+        wide[[place[unknown.name] for unknown in self.unknowns]] = self.S
+        return replace(self, S=wide, unknowns=unknowns)
+
+    def matrix(self, theta: Array) -> Array:
+        """S0 + sum theta S (k, k)."""
+        return self.S0 + np.tensordot(theta, self.S, axes=1)
+
+    def excess(self, theta: Array) -> float:
+        """How negative the least eigenvalue is, as a share of the largest."""
+        values = np.linalg.eigvalsh(self.matrix(theta))
+        return float(-values[0] / max(values[-1], 1e-9))
+
+
+@dataclass(frozen=True, eq=False)
 class Program:
-    """min sum of terms over theta, subject to caps, rows and the unknowns' own bounds."""
+    """min sum of terms over theta, subject to caps, rows, definite matrices and the unknowns' own bounds."""
 
     unknowns: tuple[Unknown, ...]
     terms: tuple[Term, ...]
     rows: tuple[Rows, ...] = ()
+    definite: tuple[Definite, ...] = ()
 
     @cached_property
     def scale(self) -> Array:
@@ -113,6 +143,9 @@ class Program:
         for rows in self.rows:
             if rows.h.size:
                 size = np.where(size > 0, size, np.abs(rows.G).max(axis=0) / rows.scale)
+        for definite in self.definite:
+            # one kg of matrix: an inertia that no residual feels must not be counted in rounding errors
+            size = np.maximum(size, np.abs(definite.S).max(axis=(1, 2)))
         return 1.0 / np.where(size > 0, size, 1.0)
 
     @property
@@ -161,6 +194,7 @@ class Program:
         worst = [0.0]
         worst += [float(rows.excess(theta).max()) / rows.scale for rows in self.rows if rows.h.shape[-1]]
         worst += [term.value(theta) / term.cap - 1 for term in self.terms if term.cap]
+        worst += [definite.excess(theta) for definite in self.definite]
         if len(theta):
             span = np.maximum(1.0, np.abs(theta))
             worst += [float(((self.lower - theta) / span).max()), float(((theta - self.upper) / span).max())]

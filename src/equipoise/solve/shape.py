@@ -173,7 +173,8 @@ def linearise(build: Build, freedoms: Sequence[Freedom], gamma: Array, theta: Ar
         slope = np.broadcast_to(slope, (len(gamma), slope.shape[-1]))
         G0 = np.concatenate([_base(row.G, 2), slope.T], axis=-1)
         rows.append(replace(row, G=G0, h=_base(row.h, 1), unknowns=unknowns))
-    return Program(unknowns, tuple(terms), tuple(rows))
+    definite = tuple(one.expand(unknowns) for one in program.definite)
+    return Program(unknowns, tuple(terms), tuple(rows), definite)
 
 
 def _derivative(array: Array, rank: int) -> Array:
@@ -198,7 +199,8 @@ def _within(program: Program, freedoms: Sequence[Freedom], gamma: Array, radius:
     )
     unknowns = program.unknowns[:fixed] + moves
     rows = tuple(replace(row, unknowns=unknowns) for row in program.rows)
-    return Program(unknowns, program.terms, rows)
+    definite = tuple(replace(one, unknowns=unknowns) for one in program.definite)
+    return Program(unknowns, program.terms, rows, definite)
 
 
 def descend(
@@ -239,7 +241,7 @@ def descend(
             predicted = here.merit - (trial.objective + price * trial.excess)
             there = inner(np.clip(here.gamma + trial.theta[count:], low, high), here.solution.working)
             if predicted <= precision * load:
-                here = there if there.merit < here.merit else here
+                here = there if here.merit - there.merit > 0.5 * predicted > 1e-13 * load else here
                 break
             ratio = (here.merit - there.merit) / predicted
             if ratio < BENT:
@@ -275,7 +277,7 @@ def _bend(model: Program, there: Program, x: Array) -> Program:
         flat if flat.equality else replace(flat, h=flat.h - (true.G @ theta - true.h) + (flat.G @ x - flat.h))
         for flat, true in zip(model.rows, there.rows, strict=True)
     )
-    return Program(model.unknowns, terms, rows)
+    return Program(model.unknowns, terms, rows, model.definite)
 
 
 def _tight(program: Program) -> Program:

@@ -21,9 +21,14 @@ OPTIONS = {
 
 def is_linear(program: Program) -> bool:
     """Whether every term is a peak, or a mean without a cap, of scalar blocks."""
-    return bool(program.unknowns) and all(
-        (term.norm == "peak" or (term.norm == "mean" and term.cap is None)) and all(size == 1 for size in term.sizes)
-        for term in program.terms
+    return (
+        bool(program.unknowns)
+        and not program.definite
+        and all(
+            (term.norm == "peak" or (term.norm == "mean" and term.cap is None))
+            and all(size == 1 for size in term.sizes)
+            for term in program.terms
+        )
     )
 
 

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise import chunks
-from equipoise.affine import Array, magnitudes
-from equipoise.assemble import Balancer, effort
+from equipoise.affine import magnitudes
+from equipoise.assemble import account
 from equipoise.design import Row
 from equipoise.mechanism import Mechanism
-from equipoise.objective import goal_blocks
 from equipoise.peaks import polish
 from equipoise.states import States
+from equipoise.steepness import Account, steepness
 from equipoise.sweep import Sweep
-
-Evaluate = Callable[[States], Array]
 
 WORTH_SHARE = 0.1
 WORTH_MOTOR = 0.02
@@ -43,7 +40,7 @@ class Analysis:
             "mass": self.mechanism.mass,
             "sweep": self.sweep.describe(),
             "rows": {
-                joint: row.json() | {"worth_a_spring": not self.reasons[joint], "reason": self.reasons[joint]}
+                joint: row.json() | {"worth_a_spring": joint in self.worth, "reason": self.reasons.get(joint, "")}
                 for joint, row in self.rows.items()
             },
             "audit": list(self.mechanism.remarks),
@@ -56,15 +53,20 @@ class Analysis:
 
 
 def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
-    """Holding effort of every driven joint over a sweep (default: 2048 Sobol poses over the joint limits).
+    """Effort of every driven joint over a sweep (default: 2048 Sobol poses over the joint limits).
 
+    Over poses it is what motors hold; over a motion what they supply, inertia included, and the wrench of the
+    base on the mechanism is told beside it (moment about the world origin).
     A joint is not worth a spring where gravity loads it with less than 10 % of the largest effort of its
     unit and less than 2 % of its motor limit. Peaks are polished between the samples.
     """
     sweep = sweep or Sweep.sobol(mechanism)
     states = mechanism.states(sweep)
-    rows = table(mechanism, sweep, states, states.holding, lambda other: other.holding)
-    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, rows) for joint in rows})
+    rows = table(mechanism, sweep, states, lambda other: account(mechanism, (), other, (), {}))
+    loads = {joint: rows[joint] for joint in mechanism.driven}
+    if states.rates is not None:
+        loads = table(mechanism, sweep, states, lambda other: (mechanism.driven_blocks, other.holding))
+    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads})
 
 
 def _reason(joint: str, rows: dict[str, Row]) -> str:
@@ -83,54 +85,39 @@ def _reason(joint: str, rows: dict[str, Row]) -> str:
 
 
 def table(
-    mechanism: Mechanism, sweep: Sweep, states: States, residual: Array, evaluate: Evaluate, goal: str = "hold"
+    mechanism: Mechanism, sweep: Sweep, states: States, account: Account, known: Mapping[str, Row] | None = None
 ) -> dict[str, Row]:
-    """A row per block of a goal's residual (N, R): norms over the sweep's weights, peaks polished.
-
-    evaluate(states) -> (N, R) answers the residual at other states.
-    """
+    """A row per block of an account: norms over the sweep's weights, peaks polished; known rows stay as they are."""
+    known = known or {}
     weight = states.weight / states.weight.sum()
-    limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True)) if goal == "hold" else {}
-    blocks = goal_blocks(mechanism, goal)
-    sizes = tuple(block.size for block in blocks)
-    size = magnitudes(residual, sizes)
-    sampled = size.reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    peaks = polish(lambda poses: worst(mechanism, sweep, poses, evaluate, sizes), sweep.poses, sampled, sweep.box)
-    return {
-        block.name: Row(
-            peak=float(peaks.value[i]),
-            sample_peak=float(peaks.sample[i]),
-            rms=float(np.sqrt(weight @ size[:, i] ** 2)),
-            mean=float(weight @ size[:, i]),
-            unit=block.unit,
-            limit=float(limits[block.name]) if np.isfinite(limits.get(block.name, np.inf)) else None,
+    blocks, residual = account(states)
+    magnitude = magnitudes(residual, [block.size for block in blocks])
+    new = np.array([place for place, block in enumerate(blocks) if block.name not in known], dtype=int)
+    sampled = magnitude[:, new].reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
+    probe = steepness(mechanism, sweep, blocks, account)
+    peaks = polish(lambda places, rows: probe(places, new[rows]), sweep.coordinates, sampled, sweep.domain)
+    limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True))
+    found = {
+        blocks[i].name: Row(
+            peak=float(peak),
+            sample_peak=float(sample),
+            rms=float(np.sqrt(weight @ magnitude[:, i] ** 2)),
+            mean=float(weight @ magnitude[:, i]),
+            unit=blocks[i].unit,
+            limit=float(limits[blocks[i].name]) if np.isfinite(limits.get(blocks[i].name, np.inf)) else None,
         )
-        for i, block in enumerate(blocks)
+        for i, peak, sample in zip(new, peaks.value, peaks.sample, strict=True)
     }
+    return {block.name: known.get(block.name) or found[block.name] for block in blocks}
 
 
-def tables(
-    mechanism: Mechanism,
-    sweep: Sweep,
-    states: States,
-    balancers: Sequence[Balancer],
-    theta: Array,
-    goals: Sequence[str],
-) -> dict[str, Row]:
-    """The rows of several goals, with balancers at given values."""
-    found: dict[str, Row] = {}
-    for goal in goals:
-
-        def evaluate(other: States, goal: str = goal) -> Array:
-            if chunks.is_big(balancers, other, len(theta)):
-                return chunks.residual(mechanism, balancers, other, goal, theta)
-            return effort(mechanism, balancers, other, goal).at(theta)
-
-        found |= table(mechanism, sweep, states, evaluate(states), evaluate, goal)
-    return found
-
-
-def worst(mechanism: Mechanism, sweep: Sweep, poses: Array, evaluate: Evaluate, sizes: Sequence[int]) -> Array:
-    """Magnitudes (M, B) of blocks of the given sizes at poses (M, nd), the worst over the payload scenarios."""
-    states = mechanism.states(sweep.at_poses(poses))
-    return magnitudes(evaluate(states), sizes).reshape(len(sweep.scenarios), len(poses), -1).max(axis=0)
+def before_and_after(
+    mechanism: Mechanism, sweep: Sweep, states: States, bare: Account, balanced: Account
+) -> tuple[dict[str, Row], dict[str, Row]]:
+    """Tables without and with balancers; rows that no balancer touches are judged once."""
+    before = table(mechanism, sweep, states, bare)
+    (blocks, without), (_, with_them) = bare(states), balanced(states)
+    starts = np.cumsum([0, *[block.size for block in blocks[:-1]]])
+    alike = np.logical_and.reduceat((without == with_them).all(axis=0), starts)
+    untouched = {block.name: before[block.name] for block, same in zip(blocks, alike, strict=True) if same}
+    return before, table(mechanism, sweep, states, balanced, untouched)

@@ -7,25 +7,30 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array, Unknown, magnitudes
-from equipoise.assemble import Balancer, build, check, effort, thrift
+from equipoise.affine import Array, Block, Indices, Unknown, magnitudes
+from equipoise.assemble import Balancer, account, build, check, effort, thrift
 from equipoise.balancers.spring import Spring
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
+from equipoise.floors import floors
 from equipoise.limits import Limit, OverInterval
+from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
-from equipoise.objective import Aim, as_objective, goals_of
-from equipoise.peaks import polish
+from equipoise.motion.moves import Free
+from equipoise.objective import Aim, as_objective, goal_blocks
+from equipoise.peaks import STARTS, polish
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Rows
 from equipoise.states import States
+from equipoise.steepness import steepness
 from equipoise.sweep import Sweep
-from equipoise.verbs.analyze import tables, worst
+from equipoise.verbs.analyze import before_and_after
 
 EXACT = 1e-9
-FLOOR = 1e-6
-ROUNDS = 12
+ROUNDS = 24
+FEW = 6
 BETWEEN = 1e-7
+NEAR = 0.5
 CUTS = 60
 SAVED = 20_000
 """States over which stored energy is judged."""
@@ -58,9 +63,15 @@ class Balanced:
     solution: Solution
     refined: int
 
-    def residual(self, states: States, goal: str = "hold") -> Array:
-        """A goal's residual (N, R) with the solution's values, at any states; of `hold` (N, nd)."""
-        return effort(self.task.mechanism, self.task.balancers, states, goal).at(self.solution.theta)
+    @property
+    def values(self) -> dict[str, float]:
+        """The solution by name."""
+        return {u.name: float(v) for u, v in zip(self.program.unknowns, self.solution.theta, strict=True)}
+
+    def account(self, states: States) -> tuple[tuple[Block, ...], Array]:
+        """Blocks and residual (N, R) that the design reports, with the solution's values, at any states."""
+        task = self.task
+        return account(task.mechanism, task.balancers, states, task.objective, self.values)
 
 
 def balance(
@@ -100,17 +111,21 @@ def task_of(
 
 def settle(task: Task) -> Balanced:
     """Solve at the task's geometry; refine between the samples; settle what is free by least stored energy."""
-    started, rounds = len(task.sweep.poses), 0
+    started, rounds, starts = len(task.sweep.poses), 0, STARTS
     while True:
         states = task.mechanism.states(task.sweep)
         program = task.program(states)
         program, solution = tightened(task, program)
         solution = saved(task, states, program, solution)
-        found = _between(task, states, program, solution)
+        found = _between(task, states, program, solution, starts)
+        if not len(found) and starts == FEW:
+            found = _between(task, states, program, solution, STARTS)
         rounds += 1
         if not len(found) or rounds == ROUNDS:
             return Balanced(task, states, program, solution, len(task.sweep.poses) - started)
         task = replace(task, sweep=task.sweep.extended(found))
+        # The hills found now are among the samples of the next round: a few starts follow them.
+        starts = FEW
 
 
 def tightened(task: Task, program: Program) -> tuple[Program, Solution]:
@@ -192,31 +207,54 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
                     scale=max(abs(theta[index]), abs(bound), 1e-9),
                 )
             )
-    return theta + solve(Program(moves, (term,), tuple(rows))).theta @ directions
+    definite = tuple(
+        replace(one, S=np.tensordot(directions, one.S, axes=1), S0=one.matrix(theta), unknowns=moves)
+        for one in lean.definite
+    )
+    return theta + solve(Program(moves, (term,), tuple(rows), definite)).theta @ directions
 
 
-def _between(task: Task, states: States, program: Program, solution: Solution) -> Array:
+def _between(task: Task, states: States, program: Program, solution: Solution, starts: int) -> Array:
     """Poses between the samples whose peak exceeds the solved one; none for grids, lists and other norms."""
     aims = [aim for aim in task.objective if aim.cap is None]
-    if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak":
-        return np.zeros((0, states.driven.shape[1]))
-    columns, scale = aims[0].columns(task.mechanism)
-    sizes = tuple(block.size for block in aims[0].blocks(task.mechanism))
+    if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak" or aims[0].goal == "mass":
+        return task.sweep.coordinates[:0]
+    aim = aims[0]
+    bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
+    blocks = goal_blocks(task.mechanism, aim.goal)
+    counted = np.array([blocks.index(block) for block in aim.blocks(task.mechanism)])
+    factor = aim.scales(task.mechanism) / aim.before(task.mechanism, np.ones(len(states)), bare)
 
-    def residual(other: States) -> Array:
-        return effort(task.mechanism, task.balancers, other, aims[0].goal).at(solution.theta)[:, columns] * scale
+    def whole(other: States) -> tuple[Sequence[Block], Array]:
+        found = effort(task.mechanism, task.balancers, other, aim.goal, aim.pole).expand(program.unknowns)
+        return blocks, found.at(solution.theta)
 
-    size = magnitudes(residual(states), sizes)
+    size = magnitudes(whole(states)[1], [block.size for block in blocks])[:, counted] * factor
     sampled = size.reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
-    peaks = polish(
-        lambda poses: worst(task.mechanism, task.sweep, poses, residual, sizes),
-        task.sweep.poses,
-        sampled,
-        task.sweep.box,
-    )
     level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
+    # A row far below the level at every sample does not reach it between them.
+    near = np.flatnonzero(sampled.max(axis=0) >= NEAR * level)
+    probe = steepness(task.mechanism, task.sweep, blocks, whole)
+
+    def scaled(places: Array, rows: Indices) -> tuple[Array, Array]:
+        value, slope = probe(places, counted[near[rows]])
+        return value * factor[near[rows]], slope * factor[near[rows], None]
+
+    peaks = polish(scaled, task.sweep.coordinates, sampled[:, near], task.sweep.domain, starts)
     load = max(float(np.abs(term.b).max()) for term in program.terms)
-    return peaks.pose[peaks.value > level * (1 + BETWEEN) + 1e-12 * load]
+    if not (peaks.value > level * (1 + BETWEEN) + 1e-12 * load).any():
+        return peaks.hills[:0]
+    # Lower hills come along: they rise as soon as the highest are pressed down.
+    return _apart(peaks.hills[peaks.height >= NEAR * level], task.sweep.domain)
+
+
+def _apart(places: Array, domain: Array | None) -> Array:
+    """Coordinates that differ from each other by more than 1e-4 of the domain somewhere."""
+    if domain is None or not len(places):
+        return places
+    span = np.where(domain[:, 1] > domain[:, 0], domain[:, 1] - domain[:, 0], 1.0)
+    _, first = np.unique(np.round((places - domain[:, 0]) / span, 4), axis=0, return_index=True)
+    return places[np.sort(first)]
 
 
 def finish(
@@ -229,9 +267,11 @@ def finish(
 ) -> Design:
     """Put a solved task into words and tables."""
     task, states, unknowns = balanced.task, balanced.states, balanced.program.unknowns
-    goals = goals_of(task.objective)
-    before = tables(task.mechanism, task.sweep, states, (), np.zeros(0), goals)
-    after = tables(task.mechanism, task.sweep, states, task.balancers, balanced.solution.theta, goals)
+
+    def bare(other: States) -> tuple[tuple[Block, ...], Array]:
+        return account(task.mechanism, (), other, task.objective, {})
+
+    before, after = before_and_after(task.mechanism, task.sweep, states, bare, balanced.account)
     return Design(
         mechanism=task.mechanism,
         balancers=task.balancers,
@@ -254,8 +294,8 @@ def finish(
 def certify(balanced: Balanced) -> Certificate:
     """The certificate of a fixed geometry: `exact` where nothing is left, also off the grid, else `convex`."""
     task, program, solution = balanced.task, balanced.program, balanced.solution
-    aim = next(aim for aim in task.objective if aim.cap is None)
-    unit = aim.unit(task.mechanism)
+    unit = unit_of(task)
+    first = next(aim for aim in task.objective if aim.cap is None)
     primal = program.objective(solution.theta)
     return Certificate(
         kind="exact" if is_exact(balanced) else "convex",
@@ -264,10 +304,18 @@ def certify(balanced: Balanced) -> Certificate:
         unit=unit,
         violation=max(0.0, program.violation(solution.theta)),
         active=active_limits(program, solution, unit),
-        floors=floors(program, balanced, np.abs(solution.theta)),
+        floors=floors(
+            program, solution.theta, np.abs(solution.theta), first.counted(task.mechanism), len(task.sweep.scenarios)
+        ),
         flat=tuple(_direction(vector, program) for vector in solution.flat),
         quadrature=quadrature_error(balanced),
     )
+
+
+def unit_of(task: Task) -> str:
+    """Unit of the objective; a sum over goals of different units says so."""
+    units = list(dict.fromkeys(aim.unit(task.mechanism) for aim in task.objective if aim.cap is None))
+    return units[0] if len(units) == 1 else f"weighted sum of {', '.join(units)}"
 
 
 def quadrature_error(balanced: Balanced) -> float | None:
@@ -285,22 +333,29 @@ def quadrature_error(balanced: Balanced) -> float | None:
 
 
 def is_exact(balanced: Balanced) -> bool:
-    """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other poses of its box."""
-    task, program = balanced.task, balanced.program
-    load = max(program.loads)
-    left = max(float(np.abs(term.residual(balanced.solution.theta)).max()) for term in program.terms)
-    if left > EXACT * load:
-        return False
-    if task.sweep.box is None:
-        return True
-    box = task.sweep.box
-    poses = box[:, 0] + np.random.default_rng(0).random((256, len(box))) * (box[:, 1] - box[:, 0])
-    other = task.mechanism.states(task.sweep.at_poses(poses))
-    worst_left = 0.0
+    """Whether every counted row vanishes to 1e-9 of its load, on the sweep and at 256 other states of its region."""
+    task, program, theta = balanced.task, balanced.program, balanced.solution.theta
+    loads = []
     for aim in task.objective:
-        columns, scale = aim.columns(task.mechanism)
-        worst_left = max(worst_left, float(np.abs(balanced.residual(other, aim.goal)[:, columns] * scale).max()))
-    return worst_left <= EXACT * load
+        if aim.cap is None:  # what given parts have balanced already is measured by the bare mechanism
+            bare = effort(task.mechanism, (), balanced.states, aim.goal, aim.pole)
+            term = aim.term(task.mechanism, bare, balanced.states.weight, bare)
+            loads.append(float(np.abs(term.b).max()) or 1.0)
+
+    def vanishes(other: Program) -> bool:
+        terms = [term for term in other.terms if term.cap is None]
+        return all(np.abs(t.residual(theta)).max() <= EXACT * load for t, load in zip(terms, loads, strict=True))
+
+    if not vanishes(program):
+        return False
+    region = task.sweep.domain
+    if region is None:
+        return True
+    others = region[:, 0] + np.random.default_rng(0).random((256, len(region))) * (region[:, 1] - region[:, 0])
+    if isinstance(task.sweep.moves, Free):
+        joints = task.mechanism.driven
+        others = others[reachable(task.mechanism, others[:, : len(joints)])]
+    return vanishes(task.program(task.mechanism.states(task.sweep.at(others))))
 
 
 def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Active, ...]:
@@ -308,7 +363,7 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
     found: list[tuple[float, Active]] = []
     scales = {rows.limit: (rows.scale, rows.unit) for rows in program.rows}
     for limit, price in solution.prices.limits.items():
-        scale, limit_unit = scales[limit]
+        scale, limit_unit = scales.get(limit, (1.0, "kg"))  # definite matrices are written in kg
         found.append((price * scale, Active(limit, price, f"{unit} per {limit_unit}")))
     for side, prices, values in (
         (">=", solution.prices.lower, program.lower),
@@ -321,24 +376,6 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
             found.append((size, Active(f"{unknown.name} {side} {value:g}", float(price), f"{unit} per {unknown.unit}")))
     worth = 1e-6 * max(solution.objective, 1e-300)
     return tuple(active for size, active in sorted(found, key=lambda pair: -pair[0]) if size > worth)
-
-
-def floors(program: Program, balanced: Balanced, sizes: Array) -> tuple[str, ...]:
-    """Joints whose torque is the peak, although nothing that may change, by `sizes` (P,), reaches them."""
-    term = next(term for term in program.terms if term.cap is None)
-    mine = next(term for term in balanced.program.terms if term.cap is None)
-    aim = next(aim for aim in balanced.task.objective if aim.cap is None)
-    load = max(balanced.program.loads)
-    if term.norm != "peak" or balanced.solution.objective <= EXACT * load:
-        return ()
-    rows = (np.abs(term.A) * sizes).max(axis=(0, 2), initial=0.0)
-    reach = np.maximum.reduceat(rows, np.cumsum((0, *term.sizes[:-1])))
-    joints = aim.counted(balanced.task.mechanism)
-    largest = mine.magnitudes(mine.residual(balanced.solution.theta)).max(axis=0)
-    held = largest >= balanced.solution.objective * (1 - FLOOR)
-    return tuple(
-        joint for joint, high, moved in zip(joints, held, reach, strict=True) if high and moved <= EXACT * load
-    )
 
 
 def _direction(vector: Array, program: Program) -> str:

@@ -94,7 +94,7 @@ def geometry_map(
     aims = tuple(replace(aim, norm=norm) if norm and i == lead else aim for i, aim in enumerate(design.objective))
     mechanism, sweep = design.mechanism, design.sweep
     task = task_of(mechanism, design.balancers, sweep, None, aims, design.limits)
-    few = sweep if len(sweep.poses) <= POSES else replace(sweep, **_most_telling(design))
+    few = sweep if len(sweep.poses) <= POSES else sweep.thinned(_most_telling(design))
     states = mechanism.states(few)
     x, y = (np.linspace(*design.bounds[name], points) for name in (first, second))
     Z = np.full((points, points), np.nan)
@@ -136,12 +136,11 @@ def _line(whole: Program, count: int) -> Array:
     return values
 
 
-def _most_telling(design: Design) -> dict[str, Array]:
-    """Poses of the sweep for a quick look: an even choice, and those with the largest effort before and after."""
+def _most_telling(design: Design) -> Array:
+    """Numbers of poses for a quick look: an even choice, and those with the largest effort before and after."""
     sweep, states = design.sweep, design.states
     even = np.linspace(0, len(sweep.poses) - 1, POSES // 2).astype(int)
     shape = (len(sweep.scenarios), len(sweep.poses), -1)
     loads = [np.abs(effort).reshape(shape).max(axis=(0, 2)) for effort in (states.holding, design.residual(states))]
     heavy = [np.argsort(-load)[: POSES // 4] for load in loads]
-    keep = np.unique(np.concatenate([even, *heavy]))
-    return {"poses": sweep.poses[keep], "weight": np.maximum(sweep.weight[keep], 1e-300)}
+    return np.unique(np.concatenate([even, *heavy]))

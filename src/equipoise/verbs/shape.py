@@ -11,6 +11,7 @@ from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, effort, thrift
 from equipoise.design import Active, Design
 from equipoise.errors import EquipoiseError, InputError
+from equipoise.floors import floors
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
@@ -35,12 +36,14 @@ from equipoise.solve.shape import (
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
-from equipoise.verbs.balance import Balanced, Task, certify, finish, floors, settle, task_of
+from equipoise.verbs.balance import Balanced, Task, certify, finish, settle, task_of
 
 COARSE = 400
 PER_START = 24
 REFINED = 4
 SOUNDED = 16
+SLACK = 2e-7
+"""Share of the objective that may be given for less stored energy."""
 
 Progress = Callable[[int, int, float], None]
 
@@ -56,6 +59,10 @@ class _Search:
         """gamma (C, G) -> the program of all candidates at once."""
         names = [freedom.name for freedom in self.freedoms]
         return lambda gamma: self.task.program(states, candidates(self.task.balancers, names, gamma))
+
+    def over(self, sweep: Sweep) -> _Search:
+        """The same search over another sweep."""
+        return replace(self, task=replace(self.task, sweep=sweep))
 
     def at(self, gamma: Array) -> Task:
         """The task at one geometry."""
@@ -101,7 +108,7 @@ def shape(
         load, judge = called_up, by_limits
     elif not load > 0:
         raise InputError(
-            "gravity loads none of the joints that count, and no limit asks the springs for anything",
+            "nothing loads what counts, and no limit asks the springs for anything",
             where="objective",
             hint="check gravity and joints, or ask for a least tension",
         )
@@ -109,15 +116,9 @@ def shape(
     if optima.best.excess > 1e-6:
         settle(search.at(optima.best.gamma))
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
-    search, best = _refine(search, optima.best, load)
-    rounds = 0
-    while True:
-        best, rounds = _spare(search, best, load), rounds + 1
-        balanced = settle(search.at(best.gamma))
-        if not balanced.refined or rounds == REFINED:
-            break
-        # What saves energy may raise the torque between the samples.
-        search, best = _refine(replace(search, task=balanced.task), best, load)
+    search, best, balanced = _refine(search, optima.best, load)
+    best, balanced = _spare(search, best, balanced, load)
+    balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
 
 
@@ -147,15 +148,13 @@ def _once(balancers: Sequence[Balancer], free: Mapping[str, tuple[float, float]]
 
 
 def load_of(task: Task, states: States) -> float:
-    """The objective of the bare mechanism, which makes tolerances and penalties relative; zero where nothing loads it."""
-    return sum(
-        term.factor * term.value(np.zeros(0))
-        for term in (
-            aim.term(task.mechanism, effort(task.mechanism, (), states, aim.goal), states.weight)
-            for aim in task.objective
-        )
-        if term.cap is None
-    )
+    """The objective of the bare mechanism, which makes tolerances and penalties relative; zero without any load."""
+    load = 0.0
+    for aim in task.objective:
+        bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
+        if aim.cap is None and np.any(bare.b):
+            load += aim.weight * aim.term(task.mechanism, bare, states.weight, bare).value(np.zeros(0))
+    return load
 
 
 def _called_up(search: _Search, states: States, seed: int) -> float:
@@ -236,7 +235,7 @@ def _thinned(sweep: Sweep, states: States) -> Sweep:
     loads = np.abs(states.holding).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
     heavy = np.argsort(-loads, axis=0)[: max(1, COARSE // 4 // loads.shape[1])].ravel()
     keep = np.union1d(even, heavy)
-    return replace(sweep, poses=sweep.poses[keep], weight=np.maximum(sweep.weight[keep], 1e-300))
+    return sweep.thinned(keep)
 
 
 def _present(search: _Search) -> Array | None:
@@ -246,25 +245,42 @@ def _present(search: _Search) -> Array | None:
     return np.array([gamma], dtype=float) if all(inside) else None
 
 
-def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local]:
+def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local, Balanced]:
     """Add the poses between the samples that exceed the peak, and descend again, until none does."""
+    balanced = settle(search.at(best.gamma))
     for _ in range(REFINED):
-        balanced = settle(search.at(best.gamma))
         if not balanced.refined:
             break
-        search = replace(search, task=replace(search.task, sweep=balanced.task.sweep))
+        search = search.over(balanced.task.sweep)
         best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02)
-    return search, best
+        balanced = settle(search.at(best.gamma))
+    return search.over(balanced.task.sweep), best, balanced
 
 
-def _spare(search: _Search, best: Local, load: float) -> Local:
-    """Among equally good geometries the one with the least stored energy."""
+def _spare(search: _Search, best: Local, balanced: Balanced, load: float) -> tuple[Local, Balanced]:
+    """Among equally good geometries the one with the least stored energy, equally good between the samples too."""
+    value = max(balanced.solution.objective, 1e-9 * load)
+    if len([aim for aim in search.task.objective if aim.cap is None]) > 1:
+        return best, balanced
+    for _ in range(REFINED):
+        # Half of the slack is left to what the search between the samples finds.
+        thrifty = _thrifty(search, best, value * (1 + SLACK / 2))
+        if thrifty is None:
+            break
+        found = settle(search.at(thrifty.gamma))
+        if found.solution.objective <= value * (1 + SLACK):
+            return thrifty, found
+        if not found.refined:
+            break
+        search = search.over(found.task.sweep)
+    return best, balanced
+
+
+def _thrifty(search: _Search, best: Local, value: float) -> Local | None:
+    """The geometry that keeps the objective below a value with the least stored energy, if that is worth a move."""
     states = search.task.mechanism.states(search.task.sweep)
-    value = max(best.solution.objective, 1e-9 * load) * (1 + 1e-6)
     names = [freedom.name for freedom in search.freedoms]
     plain = search.builder(states)
-    if len([aim for aim in search.task.objective if aim.cap is None]) > 1:
-        return best
 
     def lean(gamma: Geometry) -> Program:
         return thrift(plain(gamma), candidates(search.task.balancers, names, gamma), states, value)
@@ -273,12 +289,10 @@ def _spare(search: _Search, best: Local, load: float) -> Local:
     present = solve(plain(best.gamma[None]).take(0))
     stored = start.terms[0].value(present.theta)
     if not stored > 0:
-        return best
+        return None
     thrifty = descend(lean, search.freedoms, best.gamma, stored, radius=0.1, iterations=30, precision=1e-5)
     worth = thrifty.solution.objective <= 0.99 * stored or present.objective > value
-    if thrifty.excess > 1e-6 or not worth:
-        return best
-    return replace(best, gamma=thrifty.gamma)
+    return replace(best, gamma=thrifty.gamma) if thrifty.excess <= 1e-6 and worth else None
 
 
 def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:
@@ -307,7 +321,13 @@ def _finish(search: _Search, optima: Optima, balanced: Balanced) -> Design:
         spread=float(max(merits) - min(merits)),
         stationarity=best.stationarity,
         active=tuple(bound) + inner.active,
-        floors=floors(wide, balanced, sizes),
+        floors=floors(
+            wide,
+            np.append(theta, np.zeros(len(search.freedoms))),
+            sizes,
+            aim.counted(task.mechanism),
+            len(task.sweep.scenarios),
+        ),
         flat=inner.flat + _flat(search, wide, balanced, best),
     )
     geometry = {f.name: float(value) for f, value in zip(search.freedoms, best.gamma, strict=True)}

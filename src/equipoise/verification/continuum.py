@@ -11,7 +11,7 @@ import numpy as np
 from equipoise.assemble import Balancer
 from equipoise.balancers.spring import Spring
 from equipoise.design import Row
-from equipoise.errors import LoopError
+from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.sweep import Sweep
 from equipoise.verification.boxes import Found, search
@@ -66,9 +66,9 @@ def bounds(
     try:
         field = Field(mechanism, balancers, values, sweep)
         found = estimate(field.residual, field.box, peaks, relative=RELATIVE, of_load=OF_LOAD, budget=budget)
-    except LoopError as error:
+    except InputError as error:
         found = [Found(np.inf, peak, 0, False) for peak in peaks]
-        method = f"no bound: the loops do not close everywhere in the box ({error.message})"
+        method = f"no bound: the loops or paths do not close everywhere in the box ({error.message})"
     return {
         joint: _bound(rows[joint], item, method, False) for joint, item in zip(mechanism.driven, found, strict=True)
     }

@@ -10,10 +10,10 @@ import numpy as np
 from equipoise.affine import Affine, Array
 from equipoise.assemble import Balancer
 from equipoise.design import Design
-from equipoise.errors import LoopError
+from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
-from equipoise.sweep import Sweep
+from equipoise.verification.simulate import reach
 
 STEP = 0.03
 LEVELS = 4
@@ -39,9 +39,9 @@ def energy_errors(design: Design, poses: int = 64, seed: int = 0) -> dict[str, f
     u are random directions of the driven joints; central differences, extrapolated to h = 0 (Richardson);
     loops are closed at every point. Elements are `gravity` (with payload and the file's own springs), every
     balancer by name, and `total`. An element without effort has error 0; poses whose difference quotients do
-    not settle are left out. Raises LoopError where no neighbourhood of the sweep's poses closes.
+    not settle are left out. Raises InputError where no neighbourhood of the sweep's poses closes.
     """
-    line = _line(design.mechanism, design.sweep, poses, seed)
+    line = _line(design, poses, seed)
     errors: dict[str, float] = {}
     efforts, slopes, doubts = [], [], []
     for name, element in [("gravity", design.mechanism), *((b.name, b) for b in design.balancers)]:
@@ -56,7 +56,8 @@ def energy_errors(design: Design, poses: int = 64, seed: int = 0) -> dict[str, f
     return errors
 
 
-def _line(mechanism: Mechanism, sweep: Sweep, poses: int, seed: int) -> Line:
+def _line(design: Design, poses: int, seed: int) -> Line:
+    sweep = design.sweep
     rng = np.random.default_rng(seed)
     # Poses without weight lie next to anchors, where a cable's direction jumps.
     known = sweep.poses[sweep.weight > 0]
@@ -67,18 +68,20 @@ def _line(mechanism: Mechanism, sweep: Sweep, poses: int, seed: int) -> Line:
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     for step in (STEP, STEP / 10):
         try:
-            return _along(mechanism, sweep, centre, direction, step)
-        except LoopError:  # near the rim of what a linkage reaches: stay closer to poses that close
+            return _along(design, centre, direction, step)
+        except InputError:  # near the rim of what a linkage reaches: stay closer to poses that close
             centre = known[rng.integers(len(known), size=poses)]
-    return _along(mechanism, sweep, centre, direction, STEP / 100)
+    return _along(design, centre, direction, STEP / 100)
 
 
-def _along(mechanism: Mechanism, sweep: Sweep, centre: Array, direction: Array, step: float) -> Line:
+def _along(design: Design, centre: Array, direction: Array, step: float) -> Line:
     def at(distance: float) -> States:
-        return mechanism.states(sweep.at_poses(centre + distance * direction))
+        states = design.mechanism.states(design.sweep.at_poses(centre + distance * direction))
+        reach(design, states)
+        return states
 
     sides = [step / 2**level for level in range(LEVELS)]
-    tall = np.tile(direction, (len(sweep.scenarios), 1))
+    tall = np.tile(direction, (len(design.sweep.scenarios), 1))
     return Line(at(0.0), tuple(map(at, sides)), tuple(at(-side) for side in sides), tall, step)
 
 

@@ -8,10 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import numpy as np
 
+from equipoise.affine import Array
+from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError
+from equipoise.mechanism import Mechanism, compile_spec
 from equipoise.models.notices import listen, refusals
+from equipoise.states import States, kinematics
+from equipoise.verification.postures import by_name
+
+KEY = "balanced"
+"""The keyframe in which the loops of the added parts are closed."""
 
 
 def installed(design: Design) -> mujoco.MjSpec:
@@ -21,7 +30,51 @@ def installed(design: Design) -> mujoco.MjSpec:
         where = f"{balancer.name} in {design.mechanism.name}"
         with refusals(where, "a part's name must not occur in the model: rename the part"):
             balancer.install(spec, design.values, design.states)
+    _close_keys(spec, design)
     return spec
+
+
+def _close_keys(spec: mujoco.MjSpec, design: Design) -> None:
+    """Give the model's keyframes the positions of the joints that were added, and one of its own that is closed.
+
+    Where the parts do not close at a keyframe of the mechanism, its added joints stay at zero.
+    """
+    mechanism, original = design.mechanism, design.mechanism.model
+    middle = design.sweep.poses[np.abs(design.sweep.poses - design.sweep.poses.mean(axis=0)).sum(axis=1).argmin()]
+    poses = {key.name: original.key_qpos[index] for index, key in enumerate(mechanism.spec.keys)}
+    first = mechanism.states(design.sweep.at_poses(middle[None]))
+    added = _positions(design, first)
+    if not added:
+        return
+    for key in list(spec.keys):
+        spec.delete(key)
+    model = compile_spec(spec, mechanism.name)
+    places, _ = by_name(model, original)
+    standing = {KEY: first.kin.q[0]} | {name: q for name, q in poses.items() if name != KEY}
+    for name, own in standing.items():
+        q = model.qpos0.copy()
+        q[places] = own
+        try:
+            for joint, value in _positions(design, _standing(mechanism, own)).items():
+                q[model.joint(joint).qposadr[0]] = value[0]
+        except InputError:
+            pass
+        spec.add_key(name=name, qpos=q.tolist())
+
+
+def _positions(design: Design, states: States) -> dict[str, Array]:
+    found: dict[str, Array] = {}
+    for balancer in design.balancers:
+        if isinstance(balancer, Spring):
+            found |= balancer.path.positions(states, balancer.name)
+    return found
+
+
+def _standing(mechanism: Mechanism, q: Array) -> States:
+    """The states of one posture (nq,), closed or not."""
+    driven = q[None, mechanism.model.jnt_qposadr[mechanism.driven_ids]]
+    still = np.zeros((1, mechanism.model.nv, len(mechanism.driven)))
+    return States(mechanism, driven, np.ones(1), (), np.zeros((1, 0)), kinematics(mechanism, q[None]), still)
 
 
 def save(design: Design, folder: Path) -> Path:

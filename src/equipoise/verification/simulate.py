@@ -14,9 +14,9 @@ from equipoise.affine import Array
 from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.balancers.spring import Spring, actuator_name
 from equipoise.design import Design
-from equipoise.errors import LoopError
-from equipoise.mechanism import Mechanism
-from equipoise.models.notices import listen, refusals
+from equipoise.errors import InputError
+from equipoise.mechanism import Mechanism, compile_spec
+from equipoise.models.notices import listen
 from equipoise.states import States
 from equipoise.verification.findings import Disagreement, JointError
 from equipoise.verification.postures import postures
@@ -74,7 +74,9 @@ def compare(design: Design, path: Path, poses: int, seed: int) -> Comparison:
     bare = states.holding
     # A spring may lift more than gravity loads: both sides of the sum set the scale of rounding.
     load = np.maximum(np.abs(bare), np.abs(ours - bare)).max(axis=0)
-    notes = (*_clamped(spec, design.mechanism), *(f"MuJoCo: {line}" for line in dict.fromkeys(said)))
+    springs = [balancer for balancer in design.balancers if isinstance(balancer, Spring)]
+    told = [note for spring in springs for note in spring.path.notes(design.states, spring.name)]
+    notes = (*told, *_clamped(spec, design.mechanism), *(f"MuJoCo: {line}" for line in dict.fromkeys(said)))
     return Comparison(states, where, ours, simulated, load, notes)
 
 
@@ -97,10 +99,19 @@ def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
     tries.append((np.clip(near, limits[:, 0], limits[:, 1]), f"{count} random poses near the sweep's"))
     for poses, where in tries:
         try:
-            return mechanism.states(sweep.at_poses(poses)), where
-        except LoopError:  # a linkage may not reach all of a box or all around a listed pose
+            states = mechanism.states(sweep.at_poses(poses))
+            reach(design, states)
+        except InputError:  # a linkage may not reach all of a box or all around a listed pose
             continue
+        return states, where
     return mechanism.states(sweep), f"the sweep's own {len(sweep.poses)} poses, for the loops do not close elsewhere"
+
+
+def reach(design: Design, states: States) -> None:
+    """Raise InputError where a path cannot follow the mechanism."""
+    for balancer in design.balancers:
+        if isinstance(balancer, Spring):
+            balancer.path.deform(states)
 
 
 def unstored(design: Design) -> dict[str, Callable[[Array], Array]]:
@@ -151,8 +162,7 @@ def holding(
             add_point_mass(loaded, f"payload {index + 1} of the verification", point.body, point.at, float(mass))
         for name in forces:
             _drive(loaded, name)
-        with refusals(mechanism.name):
-            model = loaded.compile()
+        model = compile_spec(loaded, mechanism.name)
         if q is None or transmission is None:
             q, transmission = postures(model, states, positions or {}, laws or {})
         springs = _quieten(model, mechanism.model)

@@ -2,6 +2,7 @@
 
 from equipoise.balancers.laws.bspline import BSpline
 from equipoise.balancers.laws.coil import Coil
+from equipoise.balancers.laws.cylinder import gas_cylinder
 from equipoise.balancers.laws.gas import Gas
 from equipoise.balancers.laws.hydro_pneumatic import HydroPneumatic
 from equipoise.balancers.laws.law import Law, Share
@@ -27,4 +28,5 @@ __all__ = [
     "Torsion",
     "WireMass",
     "ZeroFreeLength",
+    "gas_cylinder",
 ]

@@ -9,7 +9,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.balancers.laws.gas import LEAST, ROOM, STANDARD, Charge, Gas, gas_details, positive, say
+from equipoise.balancers.laws.charge import ROOM, STANDARD, Charge, gas_details, positive, say
+from equipoise.balancers.laws.gas import LEAST, Gas
 from equipoise.balancers.laws.law import Law, Share
 from equipoise.balancers.laws.nitrogen import Nitrogen
 from equipoise.errors import InputError
@@ -136,11 +137,17 @@ class HydroPneumatic(Law):
 
     def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
         """Pressures, gas volume and oil over the lengths."""
-        gas = self.gas().gas_volume(length)
-        oil = self.accumulator - gas
-        found = gas_details(self.pressures(length, values), gas, self.ambient)
+        gas = self.gas()
+        volume = gas.gas_volume(length)
+        found = gas_details(self.pressures(length, values), volume, self.ambient)
         del found["auxiliary volume"]
-        return found | {"gas volume": (_ends(gas), "m^3"), "oil in the accumulator": (_ends(oil), "m^3")}
+        found |= {
+            "gas volume": (_ends(volume), "m^3"),
+            "oil in the accumulator": (_ends(self.accumulator - volume), "m^3"),
+        }
+        if isinstance(gas.exponent, Nitrogen):
+            found["exponent of nitrogen at, absolute"] = float(gas.exponent.at or 0.0), "Pa"
+        return found
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters; the exponent as the number that acts."""

@@ -26,7 +26,7 @@ class Nitrogen:
     absolute, None for that of the charge, which must then be given. n_T, n_s and the heating exponent
     (T / P) (dP/dT)_V are interpolated linearly between rows of data for 0 to 400 bar and -20 to 60 deg C; raises
     InputError outside. The exponent is taken as constant over the stroke: at 170 bar and a pressure that swings by
-    +-12 % the force is right to 0.05 % [coolprop, span_2000].
+    +-12 % the force is right to 0.15 % [coolprop, span_2000].
     """
 
     adiabatic: Number = 1.0

@@ -8,6 +8,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from equipoise.affine import Array
 from equipoise.balancers.paths.mount import Mount
 from equipoise.errors import InputError
 from equipoise.mechanism import Point, compile_spec
@@ -87,15 +88,33 @@ def weigh(body: Any, value: float) -> None:
     body.explicitinertial = True
 
 
-def add_point_mass(spec: mujoco.MjSpec, name: str, body: str, at: Any, value: float) -> None:
-    """Add a point mass as a body welded at a point of another; none for zero mass or the world."""
+def add_point_mass(
+    spec: mujoco.MjSpec, name: str, body: str, at: Any, value: float, inertia: Array | None = None
+) -> None:
+    """Add a mass as a body welded at a point of another; none for zero mass or the world.
+
+    inertia (3, 3) is that about the point along the carrier's axes, kg m^2, None for a point mass.
+    """
     if value == 0.0 or body == "world":
         return
-    weigh(spec.body(body).add_body(name=name, pos=[float(v) for v in at]), value)
+    added = spec.body(body).add_body(name=name, pos=[float(v) for v in at])
+    weigh(added, value)
+    if inertia is not None and np.abs(inertia).max() > 0:
+        values, axes = np.linalg.eigh(inertia)
+        axes[:, 2] = np.cross(axes[:, 0], axes[:, 1])
+        quat = np.empty(4)
+        mujoco.mju_mat2Quat(quat, axes.ravel())
+        added.inertia, added.iquat = np.maximum(values, 0.0).tolist(), quat.tolist()
 
 
 def positive_length(value: Any, what: str, name: str) -> None:
     """Raise InputError for a length of a path that is not above zero."""
+    if value is None:
+        raise InputError(
+            f"{what} of spring {name} is open",
+            where=f"spring {name}",
+            hint=f"give it, free it in `shape` as {name}.path.{what}, or derive it by `start`",
+        )
     if np.ndim(value) == 0 and not np.real(value) > 0:
         raise InputError(f"{what} of spring {name} is {value:g} m, it must be above 0", where=f"spring {name}")
 

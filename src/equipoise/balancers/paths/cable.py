@@ -11,10 +11,10 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.mount import along_mount
-from equipoise.balancers.paths.path import Moving, Path, Place, Sketch
+from equipoise.balancers.paths.path import Moving, Need, Path, Place, Sketch
 from equipoise.balancers.paths.pulley import Pulley
 from equipoise.balancers.paths.rigging import guides, rig
-from equipoise.balancers.paths.taut import Node, Taut, taut
+from equipoise.balancers.paths.taut import CLOSE, Node, Taut, clearances, taut
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism, Point
@@ -72,8 +72,8 @@ class Cable(Path):
         along = self.taut(states).direction[..., 0, :]
         turned, _ = states.rotation(first.body)
         local = np.einsum("...ij,...i->...j", turned, along)
-        at = tuple(np.asarray(v) + length * local[..., i] for i, v in enumerate(first.at))
-        position, jacobian = states.point(Point(first.body, at))  # type: ignore[arg-type]
+        x, y, z = (np.asarray(v) + length * local[..., i] for i, v in enumerate(first.at))
+        position, jacobian = states.point(Point(first.body, (x, y, z)))
         return position, jacobian + along[..., :, None] * rate[..., None, :]
 
     def weights(self) -> tuple[tuple[Place, Any], ...]:
@@ -106,6 +106,15 @@ class Cable(Path):
                 item.check(mechanism, f"{where}, through {number}")
         if np.ndim(self.ratio) == 0 and self.ratio == 0:
             raise InputError(f"the ratio of the cable of spring {name} is 0", where=where)
+
+    def needs(self, states: States) -> tuple[Need, ...]:
+        """No point runs into a pulley."""
+        found = clearances([_node(item, states) for item in self.through])
+        return tuple(
+            Need("clearance of the pulleys", "m", room - CLOSE * distance, float(np.real(distance).max()))
+            for room, distance in found
+            if room.ndim > 1
+        )
 
     def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """A tendon over the same points and pulleys; where l is not its length, a hook on the first run reads l."""
@@ -149,7 +158,10 @@ class Cable(Path):
             if isinstance(item, Pulley) and item.radius
         )
         middle = first + share * (last - first)
-        return Sketch(spring=np.stack([first, middle]), lines=(np.vstack([middle, line[1:]]),), discs=discs)
+        places = tuple(self._place(index) for index in range(len(self.through)))
+        return Sketch(
+            spring=np.stack([first, middle]), lines=(np.vstack([middle, line[1:]]),), discs=discs, anchors=places
+        )
 
 
 def _node(item: Point | Pulley, states: States) -> Node:

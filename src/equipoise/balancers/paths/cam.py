@@ -12,13 +12,13 @@ from equipoise.affine import Array
 from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
-from equipoise.balancers.paths.path import Place, Sketch
+from equipoise.balancers.paths.path import Need, Place, Sketch
 from equipoise.balancers.paths.profile import Profile
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.states import States
 from equipoise.units import Angle, Length, Mass, Number
 
-OUTLINE = 97
+OUTLINE, FITTED = 97, 400
 
 
 @dataclass(frozen=True)
@@ -56,20 +56,41 @@ class Cam(Driven):
         length, slope = self.curve(u)
         return (length, 0.0 * length), (slope, 0.0 * slope)
 
+    def needs(self, states: States) -> tuple[Need, ...]:
+        """The cam turns within its profile."""
+        room = self.profile.room(self.crank_angle(states)[0])
+        return () if room.ndim == 1 or np.isinf(room).all() else (Need("profile of the cam", "rad", room, 1.0),)
+
     def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
-        """Cam and follower; the file's coupling is the quartic nearest to the profile over its own range."""
+        """Cam and follower; the file's coupling is the quartic nearest to the profile over the states."""
         frame, _ = self.drive(spec, name, states, 0.02)
         follower = bodies.add_body(frame, f"{name}_follower", bodies.mass(self.follower_mass))
         bodies.add_joint(follower, f"{name}_follower", axis=bodies.SLIDING, slide=True)
-        at = np.linspace(self.profile.angles[0], self.profile.angles[-1], 400)
+        quartic, _ = self._quartic(states)
         spec.add_equality(
             name=f"{name}_lift",
             type=mujoco.mjtEq.mjEQ_JOINT,
             objtype=mujoco.mjtObj.mjOBJ_JOINT,
             name1=f"{name}_follower",
             name2=f"{name}_crank",
-        ).data[:5] = np.polynomial.Polynomial.fit(at, self.curve(at)[0], 4).convert().coef.tolist()
+        ).data[:5] = quartic.tolist()
         return bodies.read_joint(spec, name, f"{name}_follower")
+
+    def _quartic(self, states: States) -> tuple[Array, float]:
+        """Coefficients (5,) of the quartic nearest to the profile over the states, and how far off it is, m."""
+        u, _ = self.crank_angle(states)
+        at = np.linspace(u.min(), u.max() + 1e-9, FITTED)
+        place = self.curve(at)[0]
+        quartic = np.polynomial.Polynomial.fit(at, place, 4)
+        coefficients = np.zeros(5)
+        found = quartic.convert().coef
+        coefficients[: len(found)] = found
+        return coefficients, float(np.abs(quartic(at) - place).max())
+
+    def notes(self, states: States, name: str) -> tuple[str, ...]:
+        """How far the file's cam is from the profile."""
+        error = self._quartic(states)[1]
+        return (f"the file holds the cam of {name} as a quartic, off by up to {error * 1e3:.3g} mm; judged exactly",)
 
     def positions(self, states: States, name: str) -> dict[str, Array]:
         """Cam angle and follower."""
@@ -104,4 +125,4 @@ class Cam(Driven):
             return np.stack([states.point(at.point(*place))[0][row] for place in where])
 
         far = length + np.sign(length or 1.0) * 1.5 * max(float(np.abs(radius).max()), 1e-3)
-        return Sketch(spring=world((length, 0.0), (far, 0.0)), lines=(world(*places),))
+        return Sketch(spring=world((length, 0.0), (far, 0.0)), lines=(world(*places),), anchors=(at.at,))

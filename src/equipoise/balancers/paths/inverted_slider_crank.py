@@ -118,4 +118,6 @@ class InvertedSliderCrank(Driven):
         pin = (float(self.crank) * np.cos(u), float(self.crank) * np.sin(u))
         places = [(0.0, 0.0), pin, (float(self.distance), 0.0)]
         shaft, end, pivot = (states.point(at.point(*place))[0][row] for place in places)
-        return Sketch(spring=np.stack([end, pivot]), bars=(np.stack([shaft, end]),))
+        return Sketch(
+            spring=np.stack([end, pivot]), bars=(np.stack([shaft, end]),), anchors=(at.at, at.point(self.distance, 0.0))
+        )

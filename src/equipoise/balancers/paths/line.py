@@ -67,4 +67,5 @@ class Line(Path):
 
     def sketch(self, states: States, row: int) -> Sketch:
         """The spring between its two ends."""
-        return Sketch(spring=np.stack([states.point(point)[0][row] for point in (self.a, self.b)]))
+        ends = (self.a, self.b)
+        return Sketch(spring=np.stack([states.point(point)[0][row] for point in ends]), anchors=ends)

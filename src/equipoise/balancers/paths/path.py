@@ -48,13 +48,22 @@ class Sketch:
     """How a path looks in one state: world coordinates, m.
 
     spring (2, 3) are the ends of the spring itself; bars (P, 3) each are rigid members, lines (P, 3) each cables
-    and guides, discs are (centre (3,), radius, axis (3,)) of pulleys, cams and shafts.
+    and guides, discs are (centre (3,), radius, axis (3,)) of pulleys, spirals (centre, axis) of springs that wind
+    about a shaft; anchors are the points by which the path hangs on links.
     """
 
     spring: Array | None = None
     bars: tuple[Array, ...] = ()
     lines: tuple[Array, ...] = ()
     discs: tuple[tuple[Array, float, Array], ...] = ()
+    spirals: tuple[tuple[Array, Array], ...] = ()
+    anchors: tuple[Point, ...] = ()
+
+    @property
+    def points(self) -> list[Array]:
+        """All points, each (3,)."""
+        found = [place for line in (*self.bars, *self.lines) for place in line] + [place for place, _ in self.spirals]
+        return found + list(() if self.spring is None else self.spring)
 
 
 class Path(ABC):
@@ -91,7 +100,7 @@ class Path(ABC):
         """Raise InputError where the path of spring `name` cannot act on the mechanism."""
 
     def needs(self, states: States) -> tuple[Need, ...]:  # noqa: ARG002 - what others need depends on the states
-        """What the geometry must keep, for `shape` to hold; one geometry alone raises InputError where it does not."""
+        """What many geometries must keep, for `shape`; a single one has none and raises InputError instead."""
         return ()
 
     @abstractmethod
@@ -101,6 +110,10 @@ class Path(ABC):
     def positions(self, states: States, name: str) -> dict[str, Array]:  # noqa: ARG002
         """Positions (N,) of the joints that `install` adds, by name: where the added loops are closed from."""
         return {}
+
+    def notes(self, states: States, name: str) -> tuple[str, ...]:  # noqa: ARG002
+        """What a user of the saved model must know."""
+        return ()
 
     def laws(self, states: States, name: str) -> dict[str, Array]:  # noqa: ARG002
         """Coefficients (N, 5) of joint equalities that `install` adds and one polynomial cannot say, by name."""

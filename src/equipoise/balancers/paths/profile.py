@@ -115,21 +115,30 @@ class Profile:
         return ((c3 * x + c2) * x + c1) * x + c0, (3 * c3 * x + 2 * c2) * x + c1
 
     def pieces(self, u: Any) -> tuple[Array, Array]:
-        """Where the cubic that holds at each angle u starts, rad, and its coefficients (4, ...), highest power first."""
+        """Where the cubic at each angle u starts, rad, and its coefficients (4, ...), highest power first."""
         knots, table = _spline(self)
         turns = (
             FULL * np.floor((np.real(u) - knots[0]) / FULL) if self.kind == "periodic" else np.zeros_like(np.real(u))
         )
         inside = np.real(u) - turns
-        self._inside(inside)
+        if np.ndim(inside) < 2:
+            self._insist(inside)
         piece = np.clip(np.searchsorted(knots, inside, side="right") - 1, 0, len(knots) - 2)
         return knots[piece] + turns, table[:, piece]
 
-    def _inside(self, u: Any) -> None:
+    def room(self, u: Any) -> Any:
+        """How far, rad, angles u are inside the profile, which a periodic one always is."""
+        if self.kind == "periodic":
+            return np.full_like(u, np.inf)
+        middle, half = 0.5 * (self.angles[0] + self.angles[-1]), 0.5 * (self.angles[-1] - self.angles[0])
+        return half - (u - middle) * np.where(np.real(u) < middle, -1.0, 1.0)
+
+    def _insist(self, u: Any) -> None:
+        """One geometry must stay inside; of many candidates the limits of `shape` judge."""
         low, high = self.angles[0], self.angles[-1]
-        out = np.maximum(low - np.real(u), np.real(u) - high)
-        if self.kind != "periodic" and np.any(out > 1e-9):
-            worst = float(np.ravel(np.real(u))[int(np.argmax(out))])
+        room = self.room(u)
+        if np.any(room < -1e-9):
+            worst = float(np.ravel(u)[int(np.argmin(room))])
             raise InputError(
                 f"the cam turns to {math.degrees(worst):.6g} deg, its profile runs from {math.degrees(low):.6g} to "
                 f"{math.degrees(high):.6g} deg",

@@ -53,4 +53,4 @@ class Reel(Path):
     def sketch(self, states: States, row: int) -> Sketch:
         """The cable from its anchor to the platform."""
         ends = states.mechanism.cable(self.cable)
-        return Sketch(spring=np.stack([states.point(point)[0][row] for point in ends]))
+        return Sketch(spring=np.stack([states.point(point)[0][row] for point in ends]), anchors=ends)

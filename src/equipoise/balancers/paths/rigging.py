@@ -143,7 +143,7 @@ class Bend:
         mean = local.mean(axis=0)
         mean = mean / np.linalg.norm(mean) if np.linalg.norm(mean) > 1e-6 else local[0]
         axis = np.asarray(pulley.axis, dtype=float) / np.linalg.norm(pulley.axis)
-        across = pulley.sense * np.cross(axis, mean)
+        across = pulley.sense * np.real(np.cross(axis, mean))
         return Bend(wrap, mean, across, np.arctan2(local @ across, local @ mean))
 
     def at(self, angle: float) -> Array:

@@ -105,4 +105,5 @@ class ScotchYoke(Driven):
         return Sketch(
             spring=world((0.0, tail), (0.0, length)),
             bars=(world((0.0, 0.0), (x, y)), world((-1.2 * r, y), (1.2 * r, y))),
+            anchors=(at.at,),
         )

@@ -19,6 +19,9 @@ from equipoise.mechanism import Mechanism
 from equipoise.states import States
 from equipoise.units import Angle, Length, Mass, Number
 
+CLOSE = 1e-3
+"""How near to the end of its reach, in rods, a rod that `shape` chooses may come."""
+
 
 @dataclass(frozen=True)
 class SliderCrank(Driven):
@@ -31,12 +34,13 @@ class SliderCrank(Driven):
     [zhang_arakelian_2023] is -phase. sense `forward` takes the plus sign. The slider moves along the mount's
     direction, in which w counts from zero. crank_mass and rod_mass sit at the fractions crank_com and rod_com of
     their lengths, from shaft and crank pin; slider_mass on the slider; kg. Raises InputError naming the angle and
-    the lengths where the rod does not reach the slider's line.
+    the lengths where the rod does not reach the slider's line. crank and rod may be None where `shape` or a `start`
+    finds them.
     """
 
     input: Shaft
-    crank: Length
-    rod: Length
+    crank: Length | None
+    rod: Length | None
     offset: Length = 0.0
     phase: Angle = 0.0
     sense: Literal["forward", "backward"] = "forward"
@@ -62,9 +66,9 @@ class SliderCrank(Driven):
         """The rod's two sides: across the slider's line, and along it with its sign."""
         across = self.crank * np.sin(u) - self.offset
         square = self.rod * self.rod - across * across
-        # Candidates that do not close get a short rod, and a limit that says so.
-        floor = 1e-6 * np.real(self.rod) ** 2
-        along = np.sqrt(np.where(np.real(square) > floor, square, floor + 0.0 * square))
+        # Candidates that do not close get a rod that nearly stands across, and a limit that says so.
+        floor = CLOSE**2 * np.real(self.rod) ** 2
+        along = np.sqrt(square if square.ndim == 1 else np.where(np.real(square) > floor, square, floor))
         return across, along if self.sense == "forward" else -along
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
@@ -111,8 +115,10 @@ class SliderCrank(Driven):
 
     def needs(self, states: States) -> tuple[Need, ...]:
         """The rod reaches the slider's line."""
-        u, _ = self.crank_angle(states)
-        return (Need("reach of the rod", "m", self.room(u) - 1e-3 * self.rod, float(np.real(np.ravel(self.rod)[0]))),)
+        room = self.room(self.crank_angle(states)[0])
+        if room.ndim == 1:
+            return ()
+        return (Need("reach of the rod", "m", room - CLOSE * self.rod, float(np.real(np.ravel(self.rod)[0]))),)
 
     def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """Crank, rod and slider, pinned together; the tendon reads the slider's slide."""
@@ -153,4 +159,5 @@ class SliderCrank(Driven):
         return Sketch(
             spring=world((length, e), (length + np.sign(length) * 0.6 * float(self.rod), e)),
             bars=(world((0.0, 0.0), pin, (length, e)),),
+            anchors=(at.at,),
         )

@@ -17,6 +17,9 @@ PLANE = 1e-7
 UNSURE = np.radians(170.0)
 """How far a wrap may be from its nominal value before one cannot tell it from a turn more or less."""
 
+CLOSE = 1e-3
+"""How near, in shares of its distance, a point that `shape` chooses may come to a pulley's rim."""
+
 ARC = 13
 
 
@@ -146,25 +149,14 @@ def tangent(a: Node, b: Node) -> tuple[Array, Array]:
     if not a.wraps and not b.wraps:
         length = np.sqrt((gap * gap).sum(-1))
         return length, gap / np.where(length == 0, 1.0, length)[..., None]
-    normal = a.normal if a.wraps else b.normal
-    assert normal is not None
+    normal, step = _step(a, b)
     _in_plane(gap, normal)
-    turns = [a.turn, b.turn]
-    if a.wraps and b.wraps:
-        assert a.normal is not None
-        assert b.normal is not None
-        cosine = (a.normal * b.normal).sum(-1)
-        if (np.abs(np.abs(cosine) - 1.0) > PLANE).any():
-            raise InputError(
-                "two pulleys that follow each other have axes that are not parallel",
-                where="cable",
-                hint="put a guide (a pulley of radius 0) between them",
-            )
-        turns[1] = b.turn * np.sign(cosine)
-    step = turns[1] - turns[0]
     square = (gap * gap).sum(-1)
     free = square - step * step
-    if (np.real(free) <= 0).any():
+    if free.ndim > 1:
+        # Candidates that run a point into a pulley get a short run, and a limit that says so.
+        free = np.where(np.real(free) > CLOSE**2 * np.real(square), free, CLOSE**2 * square)
+    elif (np.real(free) <= 0).any():
         raise InputError(
             f"two places of the cable come within {np.sqrt(np.real(square).min()) * 1e3:.4g} mm, closer than the "
             f"pulley's radius allows ({np.abs(np.real(step)).max() * 1e3:.4g} mm)",
@@ -174,6 +166,35 @@ def tangent(a: Node, b: Node) -> tuple[Array, Array]:
     length = np.sqrt(free)
     left = np.cross(normal, gap)
     return length, (length[..., None] * gap - np.asarray(step)[..., None] * left) / square[..., None]
+
+
+def _step(a: Node, b: Node) -> tuple[Array, Any]:
+    """The normal (N, 3) of the plane of a run that touches a pulley, and how far it steps aside from a to b, m."""
+    normal = a.normal if a.wraps else b.normal
+    assert normal is not None
+    turn = b.turn
+    if a.wraps and b.wraps:
+        assert b.normal is not None
+        cosine = (normal * b.normal).sum(-1)
+        if (np.abs(np.abs(cosine) - 1.0) > PLANE).any():
+            raise InputError(
+                "two pulleys that follow each other have axes that are not parallel",
+                where="cable",
+                hint="put a guide (a pulley of radius 0) between them",
+            )
+        turn = turn * np.sign(cosine)
+    return normal, turn - a.turn
+
+
+def clearances(nodes: list[Node]) -> list[tuple[Array, Array]]:
+    """How far, m, neighbours are from running into each other's pulleys, and their distances, (..., N)."""
+    found = []
+    for a, b in pairwise(nodes):
+        if a.wraps or b.wraps:
+            gap = b.position - a.position
+            distance, (_, step) = np.sqrt((gap * gap).sum(-1)), _step(a, b)
+            found.append((distance - step * np.where(np.real(step) < 0, -1.0, 1.0), distance))
+    return found
 
 
 def _in_plane(gap: Array, normal: Array) -> None:

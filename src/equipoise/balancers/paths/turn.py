@@ -62,10 +62,10 @@ class Turn(Shaft):
         return {f"{name}_shaft": self.deform(states)[0]}
 
     def sketch(self, states: States, row: int) -> Sketch:
-        """A disc about the shaft."""
+        """A spiral about the shaft."""
         mount = self.shaft(states.mechanism.model)
         centre, axis = states.point(mount.at)[0][row], states.rotation(mount.at.body)[0][row] @ mount.frame[2]
-        return Sketch(discs=((centre, SHOWN, axis),))
+        return Sketch(spirals=((centre, axis),), anchors=(mount.at,))
 
 
 def joint_shaft(model: mujoco.MjModel, joint: int) -> Mount:

@@ -16,7 +16,7 @@ from equipoise.papers.arakelian_ghazaryan_2008.model import (
     G,
     R,
     coil,
-    exact_rate,
+    heavy_rate,
     light_rate,
     peak,
     rms,
@@ -33,7 +33,7 @@ def claims() -> list[Claim]:
 
 
 def _zero_free_length() -> list[Claim]:
-    light, heavy = light_rate(), exact_rate(WIRE_1)
+    light, heavy = light_rate(), heavy_rate()
     shortest = float(coil(1.0).path.deform(model.states(0.1))[0].min())
     note = f"F0 = k l0 with l0 = {shortest:.6f} m, the shortest assembled length, which is not printed"
     by_gauge = WIRE_1.density * WIRE_1.wire_length * math.pi * 0.0036**2 / 4

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise.papers.arakelian_ghazaryan_2008.model import WIRE_2, coil, states
+from equipoise.balancers.heavy import heavy
+from equipoise.papers.arakelian_ghazaryan_2008.model import WIRE_2, coil, link, states
 
 STEP = 5.0
 
@@ -49,29 +50,16 @@ PRINTED = Cubic(-5.3, -989.7, 1748.8)
 """Eq. 34, from which the paper goes on."""
 
 
-def terms(step: float = STEP) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Moments (N,) of link, spring mass per sqrt(k) and spring force per k: M_u = c1 + c2 z + c3 z^2 at every point."""
-    pull = coil(None, float(WIRE_2.of(1.0))).effort(states(step), "hold")
-    return -states(step).holding[:, 0], -pull.b[:, 0], -pull.A[:, 0, 0]
-
-
 def sums() -> tuple[float, float, float]:
-    """C1, C2, C3 of Eqs. 15 to 17 over 120, 125, ..., 180 deg."""
-    c1, c2, c3 = terms()
-    return float(c1.sum()), float(c2.sum()), float(c3.sum())
+    """C1, C2, C3 of Eqs. 15 to 17 over 120, 125, ..., 180 deg: link, spring mass per sqrt(k), spring force per k."""
+    rows = heavy(link(), [coil(1.0, WIRE_2)], states(STEP))
+    return -float(rows.load.sum()), -float(rows.sag.sum()), -float(rows.pull.sum())
 
 
 def squared_sum() -> Cubic:
     """Eqs. 20 to 22: the stationary points of the square of the summed moments, Eq. 14."""
     C1, C2, C3 = sums()
     return Cubic(3 * C2 / (2 * C3), (C2**2 + 2 * C1 * C3) / (2 * C3**2), C1 * C2 / (2 * C3**2))
-
-
-def correct_cubic(step: float = STEP) -> Cubic:
-    """The stationary points of the sum of squares, Eq. 13: products of sums become sums of products."""
-    c1, c2, c3 = terms(step)
-    S12, S13, S22, S23, S33 = (float(a @ b) for a, b in ((c1, c2), (c1, c3), (c2, c2), (c2, c3), (c3, c3)))
-    return Cubic(3 * S23 / (2 * S33), (S22 + 2 * S13) / (2 * S33), S12 / (2 * S33))
 
 
 def first_part(cubic: Cubic, *, mended: bool) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.papers.arakelian_ghazaryan_2008 import model
 from equipoise.papers.arakelian_ghazaryan_2008.improved import RATE, found_design
-from equipoise.papers.arakelian_ghazaryan_2008.model import WIRE_1, WIRE_2, coil, exact_rate, light_rate, moment
+from equipoise.papers.arakelian_ghazaryan_2008.model import WIRE_2, coil, heavy_rate, light_rate, moment
 from equipoise.papers.paper import Drawing
 from equipoise.reporting import style
 
@@ -49,7 +49,7 @@ def _elastic(k: float) -> Array:
 
 def figure_2() -> Figure:
     """Balancing moments of the two springs of zero free length."""
-    light, heavy = light_rate(), exact_rate(WIRE_1)
+    light, heavy = light_rate(), heavy_rate()
     return graph(
         [
             (

@@ -107,9 +107,7 @@ def _patient(mass: float, height: float, table: str) -> Improvement:
     thigh, shank = segments(mass, height, table)
     total = shank.mass + thigh.mass * thigh.com / thigh.length
     a = eq.Point("shank", (shank.mass * shank.com / total, 0.0, 0.0))
-    half = 0.5 * float(WIRE_S1.of(1.0))
-    root = (half + np.sqrt(half**2 + 4 * hook / G * (total + 0.5 * float(WIRE_S2.of(k2))))) / (2 * hook / G)
-    k = float(root**2)
+    k = eq.exact_rate_zero_free_length(total + 0.5 * float(WIRE_S2.of(k2)), hook, WIRE_S1, G)
     springs = [
         eq.Spring("s1", eq.Line(eq.Point("world", (0.0, 0.0, hook)), a), eq.ZeroFreeLength(k), mass=WIRE_S1),
         eq.Spring("s2", eq.Line(model.HIP, a), eq.Coil(None, k=k2), mass=float(WIRE_S2.of(k2))),

@@ -55,10 +55,15 @@ def moment(spring: eq.Spring | None = None, step: float = 0.1) -> Array:
     return -held[:, 0]
 
 
-def exact_rate(wire: eq.WireMass) -> float:
-    """The rate of Eqs. 8 to 10: k Y_B r = (m1 s1 + m2(k) r / 2) g with m2 = c sqrt(k)."""
-    q, u = -0.5 * float(wire.of(1.0)) * G / Y_B, -MASS * COM * G / (Y_B * R)
-    return (-q / 2 + math.sqrt((q / 2) ** 2 - u)) ** 2
+def heavy_rate() -> float:
+    """The rate of section 3.1 with the spring's own mass, Eqs. 8 to 10."""
+    return eq.exact_rate_zero_free_length(MASS * COM / R, Y_B, WIRE_1, G)
+
+
+@functools.cache
+def best_rate() -> float:
+    """The rate of section 3.2 with the least rms on the paper's grid, the spring's own mass included."""
+    return eq.exact_rate(link(), [coil(1.0, WIRE_2)], states(5))
 
 
 @functools.cache

@@ -150,6 +150,7 @@ def _equations(P: Source) -> list[Claim]:
 def _sizes(P: Source) -> list[Claim]:
     air, oil = 6.738 * BAR, 168.45 * BAR
     bottles = [on_yoke(needed(2.8, ADIABATIC, gauge), ADIABATIC, gauge) for gauge in (air, oil)]
+    swept = [1e3 * gas.area * STROKE for gas in bottles]
     stiff = float(NITROGEN.exponents(293.15)[0])
     real = mean(yoke_error(replace(bottles[1], exponent=NITROGEN)), along())
     at_200 = on_yoke(needed(2.8, ADIABATIC, 200 * BAR), ADIABATIC, 200 * BAR)
@@ -163,9 +164,10 @@ def _sizes(P: Source) -> list[Claim]:
             lambda factor: factor > 1,
             "",
             note=f"gas volumes for link 1 and a mean error of 2.8 %: {1e3 * bottles[0].volume:.2f} l at 6.738 bar "
-            f"gauge (bore 100 mm), {1e3 * bottles[1].volume:.4f} l at 168.45 bar (ram 20 mm). Bore and crank do not "
-            f"matter: V0 is about pi0 n C1max / (pi e (P0 - Pa)). As a real gas nitrogen has n = {stiff:.3f} at 168 "
-            f"bar: {real:.3f} % quickly with the same bottle",
+            f"gauge (bore 100 mm), {1e3 * bottles[1].volume:.4f} l at 168.45 bar (ram 20 mm), of which the cylinders "
+            f"sweep {swept[0]:.2f} and {swept[1]:.3f} l. Bore and crank do not matter: V0 is about pi0 n C1max / (pi e "
+            f"(P0 - Pa)). As a real gas nitrogen has n = {stiff:.3f} at 168 bar: {real:.3f} % quickly with the same "
+            "bottle",
         ),
         P.underspecified(
             "pressure that the spring can supply",

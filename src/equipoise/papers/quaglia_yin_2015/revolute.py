@@ -26,6 +26,9 @@ from equipoise.papers.quaglia_yin_2015.robots import (
     states,
 )
 
+WIRE = 700e6**2 / (4 * 79.5e9 * 7800)
+"""Energy, J/kg, that a kilogram of spring wire holds at a shear stress of 700 MPa."""
+
 
 def eq_23(th1: Array, n: float, ra: float) -> Array:
     """Eq. 23 as printed, percent; th1 in rad."""
@@ -91,6 +94,14 @@ def claims(P: Source) -> list[Claim]:
         ),
         *_rate(P),
         *_stiffer(P),
+        P.underspecified(
+            "springs add little mass, where counterweights add inertia",
+            "1",
+            None,
+            note="no material or stress is printed. The ideal spring of link 1 stores up to "
+            f"{_stored():.0f} J at ra1 = 6; wire at 700 MPa holds tau^2/(4 G rho) = {WIRE:.1f} J/kg (G = 79.5 GPa, "
+            f"rho = 7800 kg/m3), so it weighs at least {_stored() / WIRE:.1f} kg",
+        ),
         P.sentence(
             "link 2 asks for the largest torque m2 r2 g where it is level",
             "Eq. 24",
@@ -100,6 +111,12 @@ def claims(P: Source) -> list[Claim]:
             note=f"difference from m2 r2 g = {LARGEST[1]:g} N m",
         ),
     ]
+
+
+def _stored() -> float:
+    """Most energy, J, in the ideal spring of link 1 over (-90, 90) deg."""
+    here = states(1, along())
+    return float(pivoted("s", JOINT, eq.ZeroFreeLength(ideal(1).k)).effort(here, "storage").b.max())
 
 
 def _rate(P: Source) -> list[Claim]:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from equipoise.papers.paper import Drawing
-from equipoise.papers.zhang_arakelian_2023.model import MANY, THREE, Dyad, design, link, over
+from equipoise.papers.zhang_arakelian_2023 import model
+from equipoise.papers.zhang_arakelian_2023.model import MANY, THREE, Dyad, design
 from equipoise.reporting import style
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 def figure(positions: tuple[float, ...]) -> Figure:
     """Moment of gravity (a) and what is left after balancing (b)."""
-    states = link().states(over(0.1))
+    states = model.states(0.1)
     angle = np.degrees(states.driven[:, 0])
     dyad = design(positions)[1]
     made = style.figure(8.6, 3.6)

@@ -44,13 +44,13 @@ def improved() -> Sequence[Improvement]:
 
 def _published(norm: Norm) -> float:
     """The better of the two published designs."""
-    states = link().states(over())
+    states = model.states()
     judge = {"rms": rms, "peak": largest}[norm]
     return min(judge(design(positions)[1].moment(states)) for positions in (THREE, MANY))
 
 
 def _family(positions: tuple[float, ...], words: str) -> Improvement:
-    states = link().states(over())
+    states = model.states()
     energy = model.best_energy(at(*positions), rms, states)
     dyad = synthesis(at(*positions), energy)
     moment = dyad.moment(states)

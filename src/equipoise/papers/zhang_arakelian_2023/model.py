@@ -37,6 +37,12 @@ def over(step: float = 1.0) -> eq.Sweep:
     return eq.Sweep.grid(link(), {JOINT: (float(np.radians(30)), float(np.radians(150)), round(120 / step) + 1)})
 
 
+@functools.cache
+def states(step: float = 1.0) -> eq.States:
+    """The kinematics of that grid."""
+    return link().states(over(step))
+
+
 @dataclass(frozen=True)
 class Dyad:
     """Crank r, rod l (m) and the crank's lag beta (rad) behind the link."""

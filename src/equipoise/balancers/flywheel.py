@@ -1,0 +1,126 @@
+"""A flywheel on the base: it takes the moment over and returns it as its own law of rotation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from equipoise.affine import Affine, Array, Block
+from equipoise.balancers.spring import STORAGE
+from equipoise.errors import InputError, nearest
+from equipoise.mechanism import ANSWERED, Mechanism
+from equipoise.momentum import FORCE, MASS, MOMENT
+from equipoise.states import States
+from equipoise.units import Inertia, Mass, Power, Speed, Torque
+
+
+@dataclass(frozen=True)
+class Flywheel:
+    """A motor-driven inertia I on the base whose prescribed rotation cancels the moment about its axis n.
+
+        I ddtheta = -n . M,   I dtheta = -n . (L - L(0)),   M and L those of everything else
+
+    axis (3,) is in world axes; inertia in kg m^2, None for the smallest that keeps the motor within `speed`
+    (rad/s) and `power` (W); the torque -n . M does not depend on I, `torque` (N m) is what the motor can give.
+    The moment along n is thereby no part of the objective; the law is `law(...)`.
+    """
+
+    name: str
+    inertia: Inertia | None = None
+    axis: tuple[float, float, float] = (0.0, -1.0, 0.0)
+    speed: Speed | None = None
+    torque: Torque | None = None
+    power: Power | None = None
+    mass: Mass = 0.0
+    like: str | None = None
+
+    owner = property(lambda self: self.name)
+    unknowns = property(lambda _self: ())
+
+    @property
+    def normal(self) -> Array:
+        """The unit axis (3,)."""
+        axis = np.asarray(self.axis, dtype=float)
+        return axis / np.linalg.norm(axis)
+
+    def check(self, mechanism: Mechanism) -> None:  # noqa: ARG002 - the protocol hands it over
+        """Raise InputError for an axis without direction or motor limits that say nothing of the inertia."""
+        where = f"flywheel {self.name}"
+        if len(self.axis) != 3 or not np.linalg.norm(self.axis) > 0:
+            raise InputError(f"the axis {self.axis} has no direction", where=where, hint="axis: [0, -1, 0]")
+        for what, value in (("inertia", self.inertia), ("speed", self.speed), ("power", self.power)):
+            if value is not None and not value > 0:
+                raise InputError(f"the {what} is {value:g}, it must be positive", where=where)
+        if self.inertia is None and self.speed is None and self.power is None:
+            raise InputError(
+                "nothing tells the inertia", where=where, hint="give inertia, or the motor's speed or power"
+            )
+
+    def effort(self, states: States, goal: str) -> Affine:
+        """Nothing: on the base its weight and force are the base's, its moment is taken in `relieve`."""
+        if goal in ("force", "moment"):
+            return Affine.known((FORCE if goal == "force" else MOMENT,), np.zeros((len(states), 3)))
+        if goal == "mass":
+            return Affine.known((MASS,), np.full((1, 1), self.mass))
+        if goal in ("hold", "drive"):
+            return Affine.known(states.mechanism.driven_blocks, np.zeros_like(states.driven))
+        if goal in ("energy", "storage"):
+            return Affine.known((Block("energy", "J") if goal == "energy" else STORAGE,), np.zeros((len(states), 1)))
+        raise InputError(f"there is no goal {goal!r}", hint=nearest(goal, ANSWERED))
+
+    def relieve(self, moment: Affine) -> Affine:
+        """A moment (N, 3) without what lies along the axis: the flywheel's motor gives that."""
+        across = np.eye(3) - np.outer(self.normal, self.normal)
+        A = np.einsum("ij,...njp->...nip", across, moment.A)
+        return Affine(moment.blocks, moment.b @ across, moment.unknowns, A)
+
+    def law(self, time: Array, moment: Array, momentum: Array) -> FlywheelLaw:
+        """The rotation over time (N,) that cancels moment and momentum (N, 3) of the rest; starts at rest.
+
+        Raises InfeasibleError where the motor's torque cannot follow.
+        """
+        torque, stored = -moment @ self.normal, -(momentum - momentum[0]) @ self.normal
+        needs = {"given": self.inertia or 0.0}
+        if self.speed is not None:
+            needs["speed"] = float(np.abs(stored).max()) / self.speed
+        if self.power is not None:
+            needs["power"] = float(np.abs(torque * stored).max()) / self.power
+        inertia = self.inertia or max(needs.values())
+        speed = stored / inertia
+        return FlywheelLaw(time, inertia, torque / inertia, speed, _integral(time, speed), torque, needs)
+
+    def install(self, spec: mujoco.MjSpec, values: Mapping[str, float], states: States) -> None:
+        """Nothing at rest: the flywheel stands on the base."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlywheelLaw:
+    """Acceleration (rad/s^2), speed (rad/s) and angle (rad) over time (N,), s, with the motor's torque (N m).
+
+    inertia in kg m^2; needs {reason: kg m^2} are the inertias that speed and power ask for.
+    """
+
+    time: Array
+    inertia: float
+    acceleration: Array
+    speed: Array
+    angle: Array
+    torque: Array
+    needs: Mapping[str, float]
+
+    @property
+    def power(self) -> Array:
+        """What the motor supplies (N,), W."""
+        return self.torque * self.speed
+
+
+def _integral(time: Array, values: Array) -> Array:
+    """The integral from the first instant (N,), of a quintic spline through the values."""
+    from scipy.interpolate import make_interp_spline
+
+    degree = min(5, (len(time) - 2) // 2 * 2 + 1)
+    whole = make_interp_spline(time, values, k=degree).antiderivative()
+    return whole(time) - whole(time[0])

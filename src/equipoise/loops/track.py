@@ -1,0 +1,128 @@
+"""A motion closed along its own way: knots in order of time, every other instant from the knot before it."""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from equipoise.affine import Array
+from equipoise.errors import LoopError
+from equipoise.loops.branch import Branch
+from equipoise.loops.close import branch_of, checked, close_loops, evaluator_of, refined, transmission_of
+from equipoise.loops.messages import blocked_way
+from equipoise.loops.posture import Evaluator
+from equipoise.loops.roadmap import Blocked
+from equipoise.loops.walk import Closed, walk
+
+if TYPE_CHECKING:
+    from equipoise.mechanism import Mechanism
+    from equipoise.motion.motion import Motion
+
+STRIDE = 0.15  # rad or characteristic lengths of driven motion between two knots
+FINE = 4001  # instants that the way is measured on
+_CHUNK = 16384
+_known: weakref.WeakKeyDictionary[Motion, tuple[weakref.ref[Mechanism], Knots]] = weakref.WeakKeyDictionary()
+
+
+@dataclass(frozen=True, eq=False)
+class Knots:
+    """Closed postures at times (K,) in order, with the driven positions (K, nd) there."""
+
+    time: Array
+    driven: Array
+    closed: Closed
+
+
+def close_motion(mechanism: Mechanism, motion: Motion, time: Array) -> tuple[Array, Array]:
+    """Postures (N, nq) with closed loops at instants (N,) of a motion, and D (N or 1, nv, nd) = dq/dq_driven.
+
+    The first posture is reached from the reference, which names the branch; from there the motion is followed in
+    order of time, and no walk crosses a singularity. Raises LoopError with the time and the driven positions at
+    which the loops do not close or become singular.
+    """
+    driven = checked(mechanism, motion.at(time)[0])
+    branch = branch_of(mechanism)
+    if branch is None:
+        return close_loops(mechanism, driven)
+    model, joints = mechanism.model, mechanism.driven_ids
+    evaluate = evaluator_of(mechanism)
+    knots = _knots(mechanism, branch, evaluate, motion)
+    q = np.tile(branch.home.q[0], (len(time), 1))
+    q[:, model.jnt_qposadr[joints]] = driven
+    transmission = np.zeros((len(time), model.nv, len(joints)))
+    transmission[:, model.jnt_dofadr[joints], np.arange(len(joints))] = 1.0
+    for first in range(0, len(time), _CHUNK):
+        part = slice(first, first + _CHUNK)
+        instants, back = np.unique(time[part], return_inverse=True)
+        wanted = driven[part][np.unique(back, return_index=True)[1]]
+        parent = np.clip(np.searchsorted(knots.time, instants, side="right") - 1, 0, len(knots.time) - 1)
+        start = knots.closed.rows(parent)
+        postures = _reached(mechanism, branch, evaluate, (start, knots.driven[parent], knots.time[parent]),
+                            (wanted, instants)).q  # fmt: skip
+        postures[:, model.jnt_qposadr[joints]] = wanted
+        closed = refined(mechanism, branch, evaluate, postures, wanted)
+        q[part] = closed.q[back]
+        transmission[part] += transmission_of(branch, closed, (1, *transmission.shape[1:]))[back]
+    return q, transmission
+
+
+def _knots(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, motion: Motion) -> Knots:
+    known = _known.get(motion)
+    if known is not None and known[0]() is mechanism:
+        return known[1]
+    loop = branch.loop
+    fine = np.linspace(motion.start, motion.end, FINE)
+    way = checked(mechanism, motion.at(fine)[0])
+    scaled = way[:, branch.places] / loop.columns[loop.driven]
+    length = np.r_[0.0, np.cumsum(np.abs(np.diff(scaled, axis=0)).max(axis=1, initial=0.0))]
+    marks = np.unique(np.searchsorted(length, np.arange(0.0, length[-1] + STRIDE, STRIDE)).clip(0, FINE - 1))
+    time, driven = fine[marks], way[marks]
+    try:
+        start, _ = close_loops(mechanism, driven[:1])
+    except LoopError as error:
+        raise _at(error, time[0], "the motion cannot start") from None
+    closed = loop.linearise(evaluate, start)
+    found = closed
+    for k in range(1, len(marks)):
+        here = (closed, driven[k - 1 : k], time[k - 1 : k])
+        closed = _reached(mechanism, branch, evaluate, here, (driven[k : k + 1], time[k : k + 1]))
+        found = found.join(closed)
+    knots = Knots(time, driven, found)
+    _known[motion] = (weakref.ref(mechanism), knots)
+    return knots
+
+
+def _reached(
+    mechanism: Mechanism,
+    branch: Branch,
+    evaluate: Evaluator,
+    start: tuple[Closed, Array, Array],
+    goal: tuple[Array, Array],
+) -> Closed:
+    """Walk from closed postures with their driven positions and times to driven positions at later times."""
+    loop, scale = branch.loop, branch.loop.columns[branch.loop.driven]
+    closed, begin, since = start
+    wanted, until = goal
+    span = (wanted - begin)[:, branch.places] / scale
+    done = walk(loop, evaluate, closed, span)
+    if not done.arrived.all():
+        row = int(np.flatnonzero(~done.arrived)[0])
+        stop = begin[row, branch.places] / scale + done.wall[row] * span[row]
+        ahead = (1.0 - done.share[row]) * span[row]
+        last = done.closed.rows(np.array([row]))
+        blocked = Blocked(0, last, ahead, stop, float(done.lowest[row]), 0)
+        time = since[row] + done.wall[row] * (until[row] - since[row])
+        raise _at(blocked_way(mechanism, branch, evaluate, blocked, wanted[row]), time, "the motion stops")
+    return done.closed
+
+
+def _at(error: LoopError, time: float, what: str) -> LoopError:
+    """The same error with the time at which a motion meets it."""
+    return LoopError(
+        f"{what} at t = {time:.6g} s: {error.message}",
+        where=error.where,
+        hint=f"{error.hint}; or begin the motion elsewhere, or change its drivers",
+    )
