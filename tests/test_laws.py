@@ -12,6 +12,7 @@ import equipoise as eq
 from equipoise.assemble import effort
 from equipoise.limits import Setting, implied
 from equipoise.parameters import candidates, read, tag, unit_of, write
+from equipoise.verification.simulate import holding
 
 STEP = 1e-30
 HINGE = int(mujoco.mjtJoint.mjJNT_HINGE)
@@ -137,7 +138,7 @@ PLANAR = {
     "cable_pulley": lambda m: eq.Cable(
         (eq.Point("world", (-0.5, 0.0, 0.2)), eq.Pulley("world", (-0.2, 0.0, 1.1), 0.05, side="right"),
          eq.Pulley("world", (-0.1, 0.0, 1.1)), eq.Point(bodies(m)[0], (0.05, 0.0, 0.3)),
-         eq.Pulley(bodies(m)[0], (0.3, 0.0, 0.3), 0.04, side="right", nominal=0.0, mass=0.2),
+         eq.Pulley(bodies(m)[0], (0.3, 0.0, 0.3), 0.04, side="right", mass=0.2),
          eq.Point(bodies(m)[1], (0.3, 0, 0.0))),
         ratio=0.5, offset=-0.1,
     ),
@@ -166,11 +167,16 @@ BALANCERS |= {
     for law, w in TORQUES.items()
 }
 
-every = pytest.mark.parametrize(
-    ("mechanism", "balancer"),
-    [(m, b) for m in MECHANISMS for b in BALANCERS],
-    ids=lambda name: name,
-)
+EVERYWHERE = [(m, b) for m in MECHANISMS for b in BALANCERS]
+FLAT = {
+    f"{path}-{law}": (lambda m, p=p, w=w: eq.Spring("b", p(m), w, mass=0.4))
+    for path, p in PLANAR.items()
+    for law, w in (TORQUES if path == "absolute" else LAWS).items()
+}
+EVERYWHERE += [(m, b) for m in ("planar", "linkage") for b in FLAT if m == "planar" or "pulley" not in b]
+BALANCERS |= FLAT
+
+every = pytest.mark.parametrize(("mechanism", "balancer"), EVERYWHERE, ids=lambda name: name)
 
 
 @pytest.fixture(scope="module")
@@ -219,6 +225,35 @@ def test_efforts_add_up_and_units_agree(posed, mechanism, balancer):
     assert [block.unit for block in alone.blocks] == list(mech.driven_units)
     assert {unknown.unit for unknown in part.unknowns} <= {"N/m", "N", "N m/rad", "N m", "kg", "kg m", "kg m^2", "Pa"}
     assert part.effort(states, "storage").blocks[0].unit == "J"
+
+
+def pairs():
+    """Every path with every law on one mechanism, and every path on every mechanism with one law."""
+    for path in EVERY_PATH:
+        angle = path in ANGLES or path == "absolute"
+        homes = ("planar", "linkage") if path in PLANAR else tuple(MECHANISMS)
+        homes = homes[:1] if path == "cable_pulley" else homes
+        for law in TORQUES if angle else LAWS:
+            yield homes[0], path, law
+        yield from ((home, path, "linear") for home in homes[1:])
+
+
+@pytest.mark.parametrize(("mechanism", "path", "law"), list(pairs()), ids=lambda name: name)
+def test_the_saved_model_agrees(posed, mechanism, path, law):
+    """Explicit bodies, saved and reloaded, their loops closed there, forces through the constraint Jacobian."""
+    mech, _, around, _ = posed[mechanism]
+    part = eq.Spring("b", EVERY_PATH[path](mech), (LAWS | TORQUES)[law], mass=0.4)
+    values = {unknown.name: 2.0 + index for index, unknown in enumerate(part.unknowns)}
+    spec = mech.spec.copy()
+    spec.compiler.savecompiled = False
+    part.install(spec, values, around)
+    reloaded = mujoco.MjSpec.from_string(spec.to_xml())
+    exact = part.stored(values, around).exact
+    forces = {} if exact else {"b": lambda length: part.law.force_at(length, part.own(values))}
+    found = holding(reloaded, around, forces, part.path.positions(around, "b"), part.path.laws(around, "b"))
+    own = part.effort(around, "hold").at(np.array(list(values.values())))
+    assert np.abs(own).max() > 0
+    np.testing.assert_allclose(found, around.holding + own, rtol=0, atol=1e-8 * np.abs(own).max())
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)

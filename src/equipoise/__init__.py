@@ -106,6 +106,8 @@ _HOME = {
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "human_leg": "models.human_leg",
+    "rrr3": "models.rrr3",
+    "platform_measure": "models.rrr3",
     "slider_crank": "models.slider_crank",
     "cable_platform": "models.cable_platform",
     "caspr": "models.caspr",
@@ -237,8 +239,10 @@ __all__ = [
     "parallelogram_arm",
     "parallelogram_robot",
     "payload_rule",
+    "platform_measure",
     "report",
     "reproduce",
+    "rrr3",
     "sag_tension",
     "shape",
     "slider_crank",
@@ -356,6 +360,7 @@ if TYPE_CHECKING:
     from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
     from equipoise.models.parallelogram_robot import parallelogram_robot
+    from equipoise.models.rrr3 import platform_measure, rrr3
     from equipoise.models.slider_crank import slider_crank
     from equipoise.motion.drivers import Cycloidal, Expression, TimePolynomial, TimeSpline
     from equipoise.motion.motion import Motion

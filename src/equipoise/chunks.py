@@ -70,7 +70,7 @@ def rms_term(mechanism: Mechanism, balancers: Balancers, states: States, aim: Ai
     size = np.sqrt(np.where(np.diag(gram) > 0, np.diag(gram), 1.0))
     values, vectors = np.linalg.eigh(gram / np.outer(size, size))
     root = np.where(values > NOISE * values[-1], np.sqrt(np.maximum(values, 0.0)), 0.0)[:, None] * vectors.T * size
-    factor = np.linalg.qr(np.asarray(root, dtype=float), mode="r")
+    factor = np.linalg.qr(root).R
     return Term(
         aim.goal, "rms", factor[None, :, -1], factor[None, :, :-1], np.ones(1), (1,) * count, aim.weight, aim.cap
     )

@@ -222,7 +222,8 @@ class Design:
 
     def cite(self) -> list[str]:
         """Keys in references.bib of what the design relies on."""
-        keys = ["mujoco", "clarabel"]
+        vertices = any(aim.norm != "rms" for aim in self.objective)
+        keys = ["mujoco", "clarabel", *(["highs"] if vertices else []), *self.mechanism.sources]
         for balancer in self.balancers:
             keys += _sources(balancer)
         return list(dict.fromkeys(keys))

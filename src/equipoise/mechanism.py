@@ -55,7 +55,8 @@ class Mechanism:
     spec is the editable source of the file that a user takes away and model the compiled one;
     reference (nq,) is the posture of joints that are held and the branch of those that loops drive;
     singularity is the least admissible singular value of the loop Jacobian (lengths over their
-    characteristic length); remarks are what the mass audit has to say; platform is what a `wrench` acts on.
+    characteristic length); remarks are what the mass audit has to say; platform is what a `wrench` acts on; sources are
+    keys in references.bib of what a builder took from the literature.
     """
 
     spec: mujoco.MjSpec
@@ -67,6 +68,7 @@ class Mechanism:
     singularity: float = 1e-3
     source: Path | None = None
     platform: Platform | None = None
+    sources: tuple[str, ...] = ()
     _batches: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @staticmethod

@@ -71,6 +71,7 @@ from equipoise.models.four_bar import four_bar
 from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
+from equipoise.models.rrr3 import rrr3
 from equipoise.models.slider_crank import slider_crank
 from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
 from equipoise.sweep import Sweep
@@ -82,6 +83,7 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "parallelogram_robot": parallelogram_robot,
     "human_leg": human_leg,
     "four_bar": four_bar,
+    "rrr3": rrr3,
     "slider_crank": slider_crank,
     "cable_platform": cable_platform,
     "caspr": caspr,

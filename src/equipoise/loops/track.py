@@ -6,12 +6,14 @@ import weakref
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import LoopError
 from equipoise.loops.branch import Branch
 from equipoise.loops.close import branch_of, checked, close_loops, evaluator_of, refined, transmission_of
+from equipoise.loops.constraints import Couple
 from equipoise.loops.messages import blocked_way
 from equipoise.loops.posture import Evaluator
 from equipoise.loops.roadmap import Blocked
@@ -81,7 +83,7 @@ def _knots(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, motion: Mo
     marks = np.unique(np.searchsorted(length, np.arange(0.0, length[-1] + STRIDE, STRIDE)).clip(0, FINE - 1))
     time, driven = fine[marks], way[marks]
     try:
-        start, _ = close_loops(mechanism, driven[:1])
+        start, _ = close_loops(mechanism, driven[:1], start=_wound(mechanism, branch, driven[0]))
     except LoopError as error:
         raise _at(error, time[0], "the motion cannot start") from None
     closed = loop.linearise(evaluate, start)
@@ -93,6 +95,22 @@ def _knots(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, motion: Mo
     knots = Knots(time, driven, found)
     _known[motion] = (weakref.ref(mechanism), knots)
     return knots
+
+
+def _wound(mechanism: Mechanism, branch: Branch, driven: Array) -> Array:
+    """The closed reference (nq,) with hinges turned by whole turns towards driven (nd,): the same posture.
+
+    Hinges with limits, and those that a coupling counts the turns of, stay.
+    """
+    model, joints = mechanism.model, mechanism.driven_ids
+    home = branch.home.q[0].copy()
+    counted = set().union(*(item.dofs for item in branch.loop.equalities if isinstance(item, Couple)))
+    for joint, value in zip(joints, driven, strict=True):
+        free = model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE and not model.jnt_limited[joint]
+        if free and int(model.jnt_dofadr[joint]) not in counted:
+            place = model.jnt_qposadr[joint]
+            home[place] += 2 * np.pi * np.round((value - home[place]) / (2 * np.pi))
+    return home
 
 
 def _reached(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from typing import Literal
 
@@ -60,7 +60,12 @@ def human_leg(
     add_joint(upper, "hip", limits=interval(hip, "hip", name))
     lower = add_body(upper, "shank", shank.weighted, pos=(thigh.length, 0.0, 0.0), length=shank.length)
     add_joint(lower, "knee", limits=interval(knee, "knee", name))
-    return finish(spec, ("hip", "knee"))
+    return replace(finish(spec, ("hip", "knee")), sources=sources(table))
+
+
+def sources(table: str) -> tuple[str, ...]:
+    """Keys in references.bib of where a table's shares come from."""
+    return tuple(dict.fromkeys(key for (name, _), row in _lines() if name == table for key in row["source"].split()))
 
 
 def segments(mass: Mass, height: Length, table: str, where: str = "leg") -> tuple[Segment, Segment]:
@@ -91,10 +96,11 @@ def _joined(a: Segment, b: Segment) -> Segment:
 @functools.cache
 def rows() -> dict[tuple[str, str], dict[str, float]]:
     """{(table, segment): {mass, length, com, gyration}} of data/body_segments.csv, shares."""
+    shares = ("mass", "length", "com", "gyration")
+    return {place: {share: float(row[share]) for share in shares if row[share]} for place, row in _lines()}
+
+
+def _lines() -> list[tuple[tuple[str, str], dict[str, str]]]:
     text = (files("equipoise") / "data" / "body_segments.csv").read_text(encoding="utf-8")
     lines = [line for line in text.splitlines() if not line.startswith("#")]
-    shares = ("mass", "length", "com", "gyration")
-    return {
-        (row["table"], row["segment"]): {share: float(row[share]) for share in shares if row[share]}
-        for row in csv.DictReader(lines)
-    }
+    return [((row["table"], row["segment"]), row) for row in csv.DictReader(lines)]

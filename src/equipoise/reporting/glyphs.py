@@ -104,9 +104,9 @@ def _leads(ax: Axes, sketch: Sketch, view: View, size: float, name: str, colour:
 
 def _ring(centre: Array, axis: Array, radius: Array, turns: int = 1) -> Array:
     """Points (P, 3) at radii (P,) around an axis."""
-    first = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
-    first = first / np.linalg.norm(first)
-    second = np.cross(axis / np.linalg.norm(axis), first)
+    first: Array = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    first /= np.linalg.norm(first)
+    second: Array = np.cross(axis / np.linalg.norm(axis), first)
     angle = np.linspace(0.0, 2 * np.pi * turns, len(radius))[:, None]
     return centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
 

@@ -28,5 +28,6 @@ def reference(key: str) -> str:
     pages = f"pp. {entry['pages'].replace('--', '–')}" if "pages" in entry else ""
     where = ", ".join(part for part in (f"{place} {volume}".strip(), pages, entry.get("year", "")) if part)
     doi = f"doi:{entry['doi']}" if "doi" in entry else ""
-    parts = (f"{entry['author'].replace(' and ', ', ')}: {entry['title']}", where, entry.get("note", ""), doi)
+    authors = entry["author"].replace(" and ", ", ").strip("{}")
+    parts = (f"{authors}: {entry['title']}", where, entry.get("note", ""), doi)
     return ". ".join(part for part in parts if part) + "."

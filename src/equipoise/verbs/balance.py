@@ -117,6 +117,8 @@ def settle(task: Task) -> Balanced:
         program = task.program(states)
         program, solution = tightened(task, program)
         solution = saved(task, states, program, solution)
+        # Rounding may leave a value outside its bounds by 1e-10 of its size.
+        solution = replace(solution, theta=np.clip(solution.theta, program.lower, program.upper))
         found = _between(task, states, program, solution, starts)
         if not len(found) and starts == FEW:
             found = _between(task, states, program, solution, STARTS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -60,8 +61,9 @@ class HydroPneumatic(Law):
                 where=where,
                 hint="the oil takes what the gas leaves: give a larger accumulator or a smaller volume",
             )
-        self.gas()
+        self.gas  # noqa: B018 - what no gas can have is refused at once
 
+    @cached_property
     def gas(self) -> Gas:
         """The gas behind the bladder, its charge at l0 unknown; a real gas at the pressure of a given charge."""
         known = self._charge.absolute
@@ -124,7 +126,7 @@ class HydroPneumatic(Law):
 
     def shares(self, length: Array) -> tuple[Share, ...]:
         """The precharge, affine, and the ambient pressure, known."""
-        gas = self.gas()
+        gas = self.gas
         per_charge, air = gas.per_pascal(length)
         lift = self._filling(gas.exponent)
         lifted = {what: lift * getattr(per_charge, what) for what in ("basis", "integral", "slope")}
@@ -137,7 +139,7 @@ class HydroPneumatic(Law):
 
     def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
         """Pressures, gas volume and oil over the lengths."""
-        gas = self.gas()
+        gas = self.gas
         volume = gas.gas_volume(length)
         found = gas_details(self.pressures(length, values), volume, self.ambient)
         del found["auxiliary volume"]
@@ -151,7 +153,7 @@ class HydroPneumatic(Law):
 
     def parameters(self, values: Mapping[str, float]) -> dict[str, float]:
         """All parameters; the exponent as the number that acts."""
-        return super().parameters(values) | {"exponent": float(np.real(self.gas().exponents()[0]))}
+        return super().parameters(values) | {"exponent": float(np.real(self.gas.exponents()[0]))}
 
 
 def _ends(values: Array) -> tuple[float, float]:

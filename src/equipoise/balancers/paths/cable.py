@@ -69,6 +69,15 @@ class Cable(Path):
     def _hook(self, states: States) -> tuple[Array, Array]:
         length, rate = self.deform(states)
         first = self._place(0)
+        mechanism = states.mechanism
+        lead, follow = (ancestors(mechanism.model, mechanism.body_id(item.body)) for item in self.through[:2])
+        if lead != follow:
+            raise InputError(
+                f"the spring has mass, and the cable's first run leads from {first.body} to {self.through[1].body}, "
+                "which move against each other",
+                where="cable",
+                hint="put an eye (a pulley of radius 0) on the first body, so that the spring lies along that body",
+            )
         along = self.taut(states).direction[..., 0, :]
         turned, _ = states.rotation(first.body)
         local = np.einsum("...ij,...i->...j", turned, along)

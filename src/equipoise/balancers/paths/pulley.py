@@ -21,10 +21,10 @@ class Pulley:
     """A pulley that a body carries and that turns freely about its own axis; radius 0 is a guide eye.
 
     at is its centre in the body's own frame, m; radius that of the cable's centre line, m. side says on which side
-    of the cable, running from first to last, the pulley lies, seen with `axis` pointing at the viewer: at a pulley
-    on the `left` the cable turns left. axis is a vector of the body; the default is that of planar mechanisms, seen
-    with x to the right and z up. The wrapped angle is the one within half a turn of `nominal`, rad; where it is
-    negative the cable has lifted off and runs straight past. mass in kg, at the centre.
+    of the cable, running from first to last, the pulley lies, seen with `axis` pointing at the viewer: at a pulley on
+    the `left` the cable turns left. axis is a vector of the body; the default is that of planar mechanisms, seen with
+    x to the right and z up. The wrapped angle is the one within half a turn of `nominal`, rad (by default from -150 to
+    210 deg); where it is negative the cable has lifted off and runs straight past. mass in kg, at the centre.
     """
 
     body: str
@@ -32,7 +32,7 @@ class Pulley:
     radius: Length = 0.0
     side: Literal["left", "right"] = "left"
     axis: tuple[Number, Number, Number] = (0.0, -1.0, 0.0)
-    nominal: Angle = 0.5 * math.pi
+    nominal: Angle = math.pi / 6
     mass: Mass = 0.0
 
     @property

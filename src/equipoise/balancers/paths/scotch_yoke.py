@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -39,6 +39,7 @@ class ScotchYoke(Driven):
     mount: Mount | None = None
     crank_mass: Mass = 0.0
     yoke_mass: Mass = 0.0
+    sources: ClassVar[tuple[str, ...]] = ("quaglia_yin_2015",)
 
     def curve(self, u: Any) -> tuple[Any, Any]:
         """The yoke's place and its derivative."""

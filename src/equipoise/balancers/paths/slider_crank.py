@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import mujoco
 import numpy as np
@@ -50,24 +50,35 @@ class SliderCrank(Driven):
     slider_mass: Mass = 0.0
     crank_com: Number = 0.5
     rod_com: Number = 0.5
+    sources: ClassVar[tuple[str, ...]] = ("zhang_arakelian_2023",)
+
+    @property
+    def _sides(self) -> tuple[Any, Any]:
+        """Crank and rod."""
+        for what in ("crank", "rod"):
+            if getattr(self, what) is None:
+                bodies.positive_length(None, what, "slider_crank")
+        return self.crank, self.rod
 
     def room(self, u: Any) -> Any:
         """The rod's length less what it has to span across the slider's line, m."""
-        across = self.crank * np.sin(u) - self.offset
-        return self.rod - across * np.where(np.real(across) < 0, -1.0, 1.0)
+        a, b = self._sides
+        across = a * np.sin(u) - self.offset
+        return b - across * np.where(np.real(across) < 0, -1.0, 1.0)
 
     def curve(self, u: Any) -> tuple[Any, Any]:
         """The slider's place and its derivative."""
-        across, along = self._span(u)
-        sine, cosine = self.crank * np.sin(u), self.crank * np.cos(u)
+        (a, _), (across, along) = self._sides, self._span(u)
+        sine, cosine = a * np.sin(u), a * np.cos(u)
         return cosine + along, -sine - across / along * cosine
 
     def _span(self, u: Any) -> tuple[Any, Any]:
         """The rod's two sides: across the slider's line, and along it with its sign."""
-        across = self.crank * np.sin(u) - self.offset
-        square = self.rod * self.rod - across * across
+        a, b = self._sides
+        across = a * np.sin(u) - self.offset
+        square = b * b - across * across
         # Candidates that do not close get a rod that nearly stands across, and a limit that says so.
-        floor = CLOSE**2 * np.real(self.rod) ** 2
+        floor = CLOSE**2 * np.real(b) ** 2
         along = np.sqrt(square if square.ndim == 1 else np.where(np.real(square) > floor, square, floor))
         return across, along if self.sense == "forward" else -along
 
@@ -84,7 +95,7 @@ class SliderCrank(Driven):
         )
 
     def _crank(self, u: Any) -> Any:
-        x, y = (self.crank_com * self.crank * f(u) for f in (np.cos, np.sin))
+        x, y = (self.crank_com * self._sides[0] * f(u) for f in (np.cos, np.sin))
         return (x, y), (-y, x)
 
     def _slider(self, u: Any) -> Any:
@@ -93,14 +104,15 @@ class SliderCrank(Driven):
 
     def _rod(self, u: Any) -> Any:
         (x, y), (dx, dy) = self._slider(u)
-        px, py = self.crank * np.cos(u), self.crank * np.sin(u)
+        px, py = self._sides[0] * np.cos(u), self._sides[0] * np.sin(u)
         f = self.rod_com
         return (px + f * (x - px), py + f * (y - py)), (-py + f * (dx + py), px + f * (dy - px))
 
     @property
     def lengths(self) -> str:
         """The lengths in words."""
-        return f"crank {self.crank * 1e3:.5g} mm, rod {self.rod * 1e3:.5g} mm, offset {self.offset * 1e3:.5g} mm"
+        a, b = self._sides
+        return f"crank {a * 1e3:.5g} mm, rod {b * 1e3:.5g} mm, offset {self.offset * 1e3:.5g} mm"
 
     remedy = "make the rod longer or the crank shorter, bring the slider's line closer, or sweep less"
 
@@ -115,14 +127,14 @@ class SliderCrank(Driven):
 
     def needs(self, states: States) -> tuple[Need, ...]:
         """The rod reaches the slider's line."""
-        room = self.room(self.crank_angle(states)[0])
+        room, (_, b) = self.room(self.crank_angle(states)[0]), self._sides
         if room.ndim == 1:
             return ()
-        return (Need("reach of the rod", "m", room - CLOSE * self.rod, float(np.real(np.ravel(self.rod)[0]))),)
+        return (Need("reach of the rod", "m", room - CLOSE * b, float(np.real(np.ravel(b)[0]))),)
 
     def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """Crank, rod and slider, pinned together; the tendon reads the slider's slide."""
-        a, b, e = float(self.crank), float(self.rod), float(self.offset)
+        a, b, e = (float(size) for size in (*self._sides, self.offset))
         frame, crank = self.drive(spec, name, states, a)
         middle = crank.add_body(name=f"{name}_crank_middle", pos=[float(self.crank_com) * a, 0.0, 0.0])
         bodies.weigh(middle, float(self.crank_mass))
@@ -149,15 +161,15 @@ class SliderCrank(Driven):
     def sketch(self, states: States, row: int) -> Sketch:
         """Crank and rod, the slider's line, and the spring along it."""
         u = float(self.crank_angle(states)[0][row])
-        at, e = self.at(states.mechanism.model), float(self.offset)
+        at, (a, b, e) = self.at(states.mechanism.model), (float(size) for size in (*self._sides, self.offset))
         length = float(self.curve(u)[0])
 
         def world(*places: tuple[float, float]) -> Array:
             return np.stack([states.point(at.point(*place))[0][row] for place in places])
 
-        pin = (float(self.crank) * np.cos(u), float(self.crank) * np.sin(u))
+        pin = (a * np.cos(u), a * np.sin(u))
         return Sketch(
-            spring=world((length, e), (length + np.sign(length) * 0.6 * float(self.rod), e)),
+            spring=world((length, e), (length + np.sign(length) * 0.6 * b, e)),
             bars=(world((0.0, 0.0), pin, (length, e)),),
             anchors=(at.at,),
         )

@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.errors import InputError
@@ -78,26 +79,31 @@ class Taut:
 def taut(nodes: list[Node]) -> Taut:
     """The cable through all nodes; raises InputError where it leaves a pulley's plane or starts inside one."""
     shape = np.broadcast_shapes(*(node.position.shape[:-1] for node in nodes), *(np.shape(n.turn) for n in nodes))
-    kept = np.ones((*shape, len(nodes)), dtype=bool)
-    for _ in nodes:
-        # Rows over which the same pulleys are touched go together.
-        found: tuple[Array, ...] | None = None
-        patterns = np.unique(kept.reshape(-1, len(nodes)), axis=0)
-        for pattern in patterns:
-            part = _through(nodes, [int(i) for i in np.flatnonzero(pattern)], shape)
-            here = (kept == pattern).all(axis=-1)
-            found = part if found is None else tuple(_choose(here, p, f) for p, f in zip(part, found, strict=True))
-        assert found is not None
-        length, rate, direction, wrap = found
-        loose = np.where(kept, np.real(wrap), 0.0)
-        lifted = (loose < 0).any(axis=-1)
-        if kept.all() and kept.ndim == 2:
-            _sure(nodes, wrap)
+    kept: NDArray[np.bool_] = np.ones((*shape, len(nodes)), dtype=bool)
+    found = _through(nodes, list(range(len(nodes))), shape)
+    if len(shape) == 1:
+        _sure(nodes, found[3])
+    while True:
+        loose = np.where(kept, np.real(found[3]), 0.0)
+        lifted = np.asarray((loose < 0).any(axis=-1))
         if not lifted.any():
-            break
+            return Taut(nodes, *found)
         worst = loose.argmin(axis=-1)
-        kept &= ~(lifted[..., None] & (np.arange(len(nodes)) == worst[..., None]))
-    return Taut(nodes, length, rate, direction, wrap)
+        kept = kept & ~(lifted[..., None] & (np.arange(len(nodes)) == worst[..., None]))
+        found = _laid(nodes, kept, shape)
+
+
+def _laid(nodes: list[Node], kept: NDArray[np.bool_], shape: tuple[int, ...]) -> tuple[Array, Array, Array, Array]:
+    """As `_through`, over the nodes kept (..., N, M): states that touch the same ones go together."""
+    patterns = np.unique(kept.reshape(-1, len(nodes)), axis=0)
+    parts = [_through(nodes, [int(i) for i in np.flatnonzero(pattern)], shape) for pattern in patterns]
+    length, rate, direction, wrap = parts[0]
+    for pattern, part in zip(patterns[1:], parts[1:], strict=True):
+        here = (kept == pattern).all(axis=-1)
+        length, wrap = np.where(here, part[0], length), np.where(here[..., None], part[3], wrap)
+        rate = np.where(here[..., None], part[1], rate)
+        direction = np.where(here[..., None, None], part[2], direction)
+    return length, rate, direction, wrap
 
 
 def _sure(nodes: list[Node], wrap: Array) -> None:
@@ -112,10 +118,6 @@ def _sure(nodes: list[Node], wrap: Array) -> None:
                 where="cable",
                 hint="say `nominal` of the pulley: the wrap near which it works, 0 deg where the cable may stand off",
             )
-
-
-def _choose(here: Array, one: Array, other: Array) -> Array:
-    return np.where(here.reshape(here.shape + (1,) * (one.ndim - here.ndim)), one, other)
 
 
 def _through(nodes: list[Node], index: list[int], shape: tuple[int, ...]) -> tuple[Array, Array, Array, Array]:
@@ -208,7 +210,7 @@ def _in_plane(gap: Array, normal: Array) -> None:
 
 
 def _turned(before: Array, after: Array, node: Node) -> Array:
-    """The angle wrapped about a pulley, rad, within half a turn of the nominal one; negative where it has lifted off."""
+    """The angle wrapped about a pulley, rad, within half a turn of the nominal one; negative where it lifted off."""
     assert node.normal is not None
     sense = np.sign(np.real(node.turn))
     sine = sense * (np.cross(before, after) * node.normal).sum(-1)
