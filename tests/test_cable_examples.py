@@ -31,6 +31,24 @@ def test_triangle_cables(tmp_path):
     assert "resultant" in page.read_text(encoding="utf-8")
 
 
+def test_a_torsion_spring_behind_a_four_bar_on_every_reel():
+    problem = eq.load_problem(EXAMPLES / "triangle_four_bar.yaml")
+    problem.check()
+    asked = {"objective": problem.objective, "limits": problem.limits, "starts": 1}
+    design = eq.shape(problem.mechanism, problem.balancers, problem.sweep, problem.bounds, **asked)
+    # Quartics leave 0.0389, cubics 0.0619, constant forces 0.0944 N^2 m^2.
+    assert 0.5 * 3**0.5 / 4 * design.after["resultant"].rms ** 2 < 0.0487
+    paths = [spring.path for spring in design.balancers]
+    assert len({(path.crank, path.coupler, path.rocker, path.phase, path.input.radius) for path in paths}) == 1
+    k, preload = design.values["s1.k"], design.values["s1.preload"]
+    turn, rate = paths[0].along(np.linspace(0, 1, 20_001))
+    assert ((preload + k * turn) * rate).min() >= 1 - 1e-8
+    assert (preload + k * turn).max() / k <= 4 * np.pi
+    mu = np.degrees(paths[0].transmission(np.linspace(0, 1, 1001) / paths[0].input.radius + paths[0].phase))
+    assert 30 - 1e-6 <= mu.min() <= mu.max() <= 150 + 1e-6
+    assert eq.verify(design, poses=200).verification.agrees
+
+
 def test_planar_platform():
     _, design = run("planar_platform")
     # Springs of the same law on all reels cannot carry a weight in a symmetric frame; with laws of their own they

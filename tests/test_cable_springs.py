@@ -246,3 +246,64 @@ def test_limits_that_conflict_are_named():
     both = [eq.Force("s0", max=0.9, over=(0.0, 1.0))]
     with pytest.raises(InfeasibleError, match=r"force of s0 over 0 m to 1 m <= 0.9 N and .* conflict"):
         taut(eq.Polynomial((0.0, 1.0), degree=3), points=6, limits=both)
+
+
+def behind(cable, **changed):
+    links = {"ground": 0.1, "crank": 0.14, "coupler": 0.11, "rocker": 0.14, "phase": 0.49} | changed
+    return eq.FourBar(eq.Winding(cable, 0.25, 0.1), **links)
+
+
+def near(mechanism, poses):
+    return mechanism.states(eq.Sweep(poses, np.ones(len(poses)), "near"))
+
+
+@pytest.mark.parametrize("path", [eq.Winding("cable_2", 0.25, 0.1), behind("cable_2"), eq.Reel("cable_2")])
+def test_a_path_behind_a_reel_is_exact_in_its_angle_and_its_derivative(path):
+    mechanism, h = eq.cable_platform(CORNERS), 1e-6
+    poses = np.random.default_rng(1).uniform(-0.15, 0.15, (9, 2))
+    length, rate = path.deform(near(mechanism, poses))
+    for joint, step in enumerate(np.eye(2) * h):
+        ahead, back = (path.deform(near(mechanism, poses + sign * step))[0] for sign in (1, -1))
+        np.testing.assert_allclose(rate[:, joint], (ahead - back) / (2 * h), atol=1e-8)
+    cable, pull = eq.Reel("cable_2").deform(near(mechanism, poses))
+    along, slope = path.along(cable)
+    np.testing.assert_allclose(along, length, atol=1e-14)
+    np.testing.assert_allclose(slope[:, None] * pull, rate, atol=1e-13)
+
+
+def test_a_rocker_turns_on_where_the_crank_does():
+    whole = np.linspace(-7, 7, 5001)
+    drag = behind("c", crank=0.14, ground=0.02, coupler=0.12, rocker=0.12)
+    swing = behind("c", crank=0.02, ground=0.14, coupler=0.12, rocker=0.12)
+    for path, turns in ((drag, 1.0), (swing, 0.0)):
+        angle, slope = path.curve(whole)
+        assert np.abs(np.diff(angle)).max() < 0.02
+        np.testing.assert_allclose(np.gradient(angle, whole)[1:-1], slope[1:-1], atol=2e-4)
+        assert path.curve(2 * np.pi)[0] - path.curve(0.0)[0] == pytest.approx(turns * 2 * np.pi, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("limit", "path", "law", "words"),
+    [
+        (eq.Tension("s", (0.0, 1.0), min=2.0, max=1.0), behind("cable_1"), eq.Torsion(), "is above max"),
+        (eq.Tension("s", (0.5, 0.2), min=1.0), behind("cable_1"), eq.Torsion(), "no range of cable lengths"),
+        (eq.Tension("s", (0.0, 1.0), min=1.0), eq.Line(eq.Point("world"), eq.Point("platform")), eq.Linear(), "cable"),
+        (eq.Transmission("s"), eq.Reel("cable_1"), eq.Linear(), "no transmission angle"),
+        (eq.WindUp("s", 1.0), eq.Reel("cable_1"), eq.Linear(), "not wound up"),
+        (eq.WindUp("s", 0.0), behind("cable_1"), eq.Torsion(), "at most 0 rad"),
+    ],
+)
+def test_limits_behind_a_reel_refuse_what_they_cannot_mean(limit, path, law, words):
+    mechanism = eq.cable_platform(CORNERS)
+    sweep = eq.Sweep.triangle(mechanism, CORNERS, points=3)
+    with pytest.raises(InputError, match=words):
+        eq.balance(mechanism, [eq.Spring("s", path, law)], sweep, objective=eq.Aim(goal="wrench"), limits=[limit])
+
+
+def test_one_parameter_may_be_shared_but_not_freed_twice():
+    mechanism = eq.cable_platform(CORNERS)
+    sweep = eq.Sweep.triangle(mechanism, CORNERS, points=3)
+    parts = [eq.Spring(f"s{i}", behind(f"cable_{i + 1}"), eq.Torsion(), like="s0" if i else None) for i in range(3)]
+    free = {"s*.path.crank": (0.1, 0.2), "s1.path.crank": (0.1, 0.2)}
+    with pytest.raises(InputError, match="free the same parameter"):
+        eq.shape(mechanism, parts, sweep, free, objective=eq.Aim(goal="wrench"))

@@ -125,6 +125,10 @@ LENGTHS = {
 }  # fmt: skip
 PATHS |= LENGTHS
 ANGLES = {
+    "four_bar": lambda m: eq.FourBar(
+        geared(m), 0.3, 0.1, 0.25, 0.2, phase=0.4, mount=standing(m), coupler_mass=0.5, rocker_mass=0.3
+    ),
+    "four_bar_crossed": lambda m: eq.FourBar(eq.Angle(joints(m)[0]), 0.1, 0.3, 0.25, 0.28, branch="crossed"),
     "angle": lambda m: eq.Angle(joints(m)[0], ratio=-1.5, offset=0.3),
     "gear": geared,
 }

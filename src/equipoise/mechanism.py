@@ -122,21 +122,7 @@ class Mechanism:
 
     def cable(self, name: str) -> tuple[Point, Point]:
         """The two ends of a cable: a tendon between two sites; raises InputError for any other name."""
-        model = self.model
-        index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, name)
-        known = [model.tendon(i).name for i in range(model.ntendon)]
-        if index < 0:
-            raise InputError(f"there is no cable {name!r} in {self.name}", hint=nearest(name, known))
-        first, count = model.tendon_adr[index], model.tendon_num[index]
-        wraps = slice(first, first + count)
-        if count != 2 or (model.wrap_type[wraps] != mujoco.mjtWrap.mjWRAP_SITE).any():
-            raise InputError(f"tendon {name!r} is no straight cable", hint="a cable joins two sites")
-        sites = [model.site(int(site)) for site in model.wrap_objid[wraps]]
-        ends = []
-        for site in sites:
-            x, y, z = (float(value) for value in site.pos)
-            ends.append(Point(model.body(int(site.bodyid[0])).name, (x, y, z)))
-        return ends[0], ends[1]
+        return cable_ends(self.model, name)
 
     @cached_property
     def driven_ids(self) -> Array:
@@ -249,3 +235,20 @@ def compile_spec(spec: mujoco.MjSpec, name: str) -> mujoco.MjModel:
     """Compile a spec; MuJoCo's own message becomes a ModelError, its warnings never a log file."""
     with refusals(name):
         return spec.compile()
+
+
+def cable_ends(model: mujoco.MjModel, name: str) -> tuple[Point, Point]:
+    """The two ends of a cable: a tendon between two sites; raises InputError for any other name."""
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TENDON, name)
+    known = [model.tendon(i).name for i in range(model.ntendon)]
+    if index < 0:
+        raise InputError(f"there is no cable {name!r} in the mechanism", hint=nearest(name, known))
+    first, count = model.tendon_adr[index], model.tendon_num[index]
+    wraps = slice(first, first + count)
+    if count != 2 or (model.wrap_type[wraps] != mujoco.mjtWrap.mjWRAP_SITE).any():
+        raise InputError(f"tendon {name!r} is no straight cable", hint="a cable joins two sites")
+    ends = []
+    for site in (model.site(int(site)) for site in model.wrap_objid[wraps]):
+        x, y, z = (float(value) for value in site.pos)
+        ends.append(Point(model.body(int(site.bodyid[0])).name, (x, y, z)))
+    return ends[0], ends[1]

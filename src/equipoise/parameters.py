@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import functools
 import re
 from collections.abc import Mapping, Sequence
@@ -25,8 +26,11 @@ def tag(cls: type) -> str:
 
 
 def read(balancers: Sequence[Item], name: str) -> float | None:
-    """The present value of a parameter, None where it is left open; raises InputError for a name that leads nowhere."""
-    balancer, keys = _start(balancers, name)
+    """The present value of a parameter, None where it is left open; raises InputError for a name that leads nowhere.
+
+    Of a name with a `*`, which stands for a parameter that several balancers share, the first one's value.
+    """
+    (balancer, *_), keys = _start(balancers, name)
     value = _walk(balancer, keys, name)
     if value is None:
         return None
@@ -39,8 +43,9 @@ def write(balancers: Sequence[Item], values: Mapping[str, Any]) -> tuple[Item, .
     """The same balancers with parameters replaced; values may be arrays that lead the states' axis."""
     changed = {balancer.name: balancer for balancer in balancers}
     for name, value in values.items():
-        balancer, keys = _start(tuple(changed.values()), name)
-        changed[balancer.name] = _replace(balancer, keys, value, name)
+        sharing, keys = _start(tuple(changed.values()), name)
+        for balancer in sharing:
+            changed[balancer.name] = _replace(balancer, keys, value, name)
     return tuple(changed.values())
 
 
@@ -51,23 +56,30 @@ def candidates(balancers: Sequence[Item], names: Sequence[str], gamma: Any) -> t
 
 def unit_of(balancers: Sequence[Item], name: str) -> str:
     """SI unit of a parameter, from the type of the field that holds it."""
-    balancer, keys = _start(balancers, name)
+    (balancer, *_), keys = _start(balancers, name)
     parent = _walk(balancer, keys[:-1], name)
     if not is_dataclass(parent) or isinstance(parent, Point):
         return "m"
     return along_path(unit_marks(type(parent)).get(keys[-1], ""), getattr(getattr(balancer, "path", None), "unit", "m"))
 
 
-def _start(balancers: Sequence[Item], name: str) -> tuple[Item, list[str]]:
+def reaches(balancers: Sequence[Item], name: str) -> tuple[str, ...]:
+    """The parameters that a name with a `*` stands for, one per balancer; of any other name itself."""
+    sharing, keys = _start(balancers, name)
+    return tuple(".".join([balancer.name, *keys]) for balancer in sharing)
+
+
+def _start(balancers: Sequence[Item], name: str) -> tuple[list[Item], list[str]]:
+    """The balancers whose names match the first word, `*` for any letters, and the words behind it."""
     head, *keys = name.split(".")
-    for balancer in balancers:
-        if balancer.name == head:
-            if not keys:
-                raise InputError(f"{name!r} names no parameter", where="shape", hint=f"for example {head}.law.k")
-            return balancer, keys
-    raise InputError(
-        f"there is no balancer {head!r}", where=f"shape.{name}", hint=nearest(head, [b.name for b in balancers])
-    )
+    found = [balancer for balancer in balancers if fnmatch.fnmatchcase(balancer.name, head)]
+    if not found:
+        raise InputError(
+            f"there is no balancer {head!r}", where=f"shape.{name}", hint=nearest(head, [b.name for b in balancers])
+        )
+    if not keys:
+        raise InputError(f"{name!r} names no parameter", where="shape", hint=f"for example {head}.law.k")
+    return found, keys
 
 
 def _walk(item: Any, keys: Sequence[str], name: str) -> Any:

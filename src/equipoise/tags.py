@@ -29,6 +29,7 @@ from equipoise.balancers.paths import (
     Cable,
     Cam,
     Drum,
+    FourBar,
     Gear,
     InvertedSliderCrank,
     Line,
@@ -37,14 +38,30 @@ from equipoise.balancers.paths import (
     Pulley,
     Reel,
     ScotchYoke,
+    Shaft,
     SliderCrank,
     Turn,
+    Winding,
 )
 from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
 from equipoise.balancers.spring import Spring
 from equipoise.balancers.synthesis import Prescribed
 from equipoise.forms import Family, Form
-from equipoise.limits import Convex, Curvature, ExactAt, Force, Length, MassCap, Slack, Slope, Stiffness, Stroke
+from equipoise.limits import (
+    Convex,
+    Curvature,
+    ExactAt,
+    Force,
+    Length,
+    MassCap,
+    Slack,
+    Slope,
+    Stiffness,
+    Stroke,
+    Tension,
+    Transmission,
+    WindUp,
+)
 from equipoise.make.requests import MakeArmCam, MakeCam, MakeConstantForceCam, MakeDrum
 from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
@@ -90,15 +107,17 @@ BALANCERS: dict[str, Callable[..., Any]] = {
     "flywheel": Flywheel,
 }
 TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
+SHAFTS: dict[str, Callable[..., Any]] = {**TURNS, "winding": Winding}
 PATHS: dict[str, Callable[..., Any]] = {
     "line": Line,
     "cable": Cable,
-    **TURNS,
+    **SHAFTS,
     "drum": Drum,
     "scotch_yoke": ScotchYoke,
     "slider_crank": SliderCrank,
     "inverted_slider_crank": InvertedSliderCrank,
     "cam": Cam,
+    "four_bar": FourBar,
     "reel": Reel,
 }
 PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
@@ -136,6 +155,9 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "slope": Slope,
     "curvature": Curvature,
     "convex": Convex,
+    "tension": Tension,
+    "wind_up": WindUp,
+    "transmission": Transmission,
 }
 
 
@@ -163,6 +185,7 @@ LIMIT = Family("limit", _members(LIMITS), leading=True)
 PATH = Family("path", _members(PATHS))
 LAW = Family("law", _members(LAWS))
 TURN = Family("angle", _members(TURNS))
+SHAFT = Family("angle", _members(SHAFTS))
 PROFILE = Family("profile", _members(PROFILES))
 START = Family("start", _members(STARTS))
 PULLEY = Family("pulley", _members(PULLEYS))
@@ -180,6 +203,7 @@ def family_of(hint: Any) -> Family | Form | None:
     for family, table in (
         (LAW, {"any": Law, **LAWS}),
         (TURN, {"any": Turn, **TURNS}),
+        (SHAFT, {"any": Shaft}),
         (PATH, {"any": Path, **PATHS}),
         (PROFILE, PROFILES),
         (PULLEY, PULLEYS),

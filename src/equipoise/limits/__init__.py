@@ -1,6 +1,7 @@
 """What must hold: limits answer linear rows for the states of a sweep."""
 
-from equipoise.limits.curve import Convex, Curvature, Slope
+from equipoise.limits.cable import Tension, Transmission, WindUp
+from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
 from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
 from equipoise.limits.realisable import realisable
@@ -14,11 +15,15 @@ __all__ = [
     "Length",
     "Limit",
     "MassCap",
+    "OverInterval",
     "Setting",
     "Slack",
     "Slope",
     "Stiffness",
     "Stroke",
+    "Tension",
+    "Transmission",
+    "WindUp",
     "implied",
     "realisable",
 ]

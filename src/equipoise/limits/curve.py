@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import ClassVar, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -62,8 +62,24 @@ class Curve(Protocol):
         ...
 
 
+class OverInterval:
+    """A limit that holds for every length of an interval: what is outside is found and added."""
+
+    spring: str
+    over: tuple[float, float] | None
+    samples: int | None
+
+    def rows_at(self, spring: Spring, lengths: Array) -> tuple[Rows, ...]:
+        """Rows at given lengths."""
+        return rows(cast("Curve", self), spring, lengths)
+
+    def outside(self, spring: Spring, values: Mapping[str, float], tolerance: float) -> Array:
+        """Local worst lengths (M,) that leave the limits by more than tolerance times their size."""
+        return outside(cast("Curve", self), spring, values, tolerance)
+
+
 @dataclass(frozen=True)
-class Slope:
+class Slope(OverInterval):
     """min <= df/dl <= max for every length over (low, high), N/m or N m/rad; min 0 makes the force monotone."""
 
     spring: str
@@ -79,7 +95,7 @@ class Slope:
 
 
 @dataclass(frozen=True)
-class Curvature:
+class Curvature(OverInterval):
     """|d2f/dl2| <= max for every length over (low, high), N/m^2 or N m/rad^2."""
 
     spring: str
@@ -99,7 +115,7 @@ class Curvature:
 
 
 @dataclass(frozen=True)
-class Convex:
+class Convex(OverInterval):
     """A cam beside a round drum stays convex: f + r^2 d2f/dl2 >= 0 for every length over (low, high).
 
     radius r of the drum, m (angles: 1 / its ratio). This is the cam of a soft spring, whose arm follows the force;

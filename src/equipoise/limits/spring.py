@@ -22,7 +22,7 @@ from equipoise.solve.program import Rows
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(curve.OverInterval):
     """min <= f <= max of a spring's force, N, or torque, N m, at every state, or over an interval of length.
 
     f > 0 pulls. With over (low, high), m or rad, it holds for every length in between, see `limits.curve`; samples

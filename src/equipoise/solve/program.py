@@ -148,6 +148,12 @@ class Program:
             size = np.maximum(size, np.abs(definite.S).max(axis=(1, 2)))
         return 1.0 / np.where(size > 0, size, 1.0)
 
+    @property
+    def called_up(self) -> float:
+        """What the limits make of the objective where zero does not keep them, to its order of magnitude."""
+        slopes = [(term.factor, np.sqrt((term.A**2).mean(axis=(0, 1)))) for term in self.terms if term.cap is None]
+        return sum(factor * self._called_up(slope) for factor, slope in slopes)
+
     def _called_up(self, slope: Array) -> float:
         """Residual that the limits ask for where zero does not keep them, through the cheapest unknown of each row."""
         found = 0.0

@@ -18,6 +18,7 @@ MARGIN = 1e-8
 BENT = 0.7
 
 Build = Callable[[Geometry], Program]
+Judge = Callable[[Program, int, float], Array]
 
 
 @dataclass(frozen=True)
@@ -77,20 +78,33 @@ class _Point:
     merit: float
 
 
-def screen(build: Build, freedoms: Sequence[Freedom], count: int, seed: int, load: float) -> tuple[Array, Array]:
-    """Sobol geometries (K, G) with the objective of their exact least-squares inner solution, best first."""
-    from scipy.stats import qmc
-
-    low, high = _bounds(freedoms)
-    unit = qmc.Sobol(len(freedoms), rng=np.random.default_rng(seed)).random_base2(max(3, int(np.ceil(np.log2(count)))))
-    gammas = low + unit * (high - low)
+def screen(
+    build: Build, freedoms: Sequence[Freedom], count: int, seed: int, load: float, judge: Judge
+) -> tuple[Array, Array]:
+    """Sobol geometries (K, G) with what a judge makes of them, best first."""
+    gammas = sown(freedoms, count, seed)
     chunks = np.array_split(gammas, max(1, len(gammas) // 16))
-    score = np.concatenate([_inner(build(chunk), len(chunk), load) for chunk in chunks])
+    score = np.concatenate([judge(build(chunk), len(chunk), load) for chunk in chunks])
     order = np.argsort(score, kind="stable")
     return gammas[order], score[order]
 
 
-def _inner(program: Program, count: int, load: float) -> Array:
+def sown(freedoms: Sequence[Freedom], count: int, seed: int) -> Array:
+    """At least `count` Sobol geometries (K, G) within the bounds."""
+    from scipy.stats import qmc
+
+    low, high = _bounds(freedoms)
+    unit = qmc.Sobol(len(freedoms), rng=np.random.default_rng(seed)).random_base2(max(3, int(np.ceil(np.log2(count)))))
+    return low + unit * (high - low)
+
+
+def by_limits(program: Program, count: int, load: float) -> Array:
+    """The merit of every candidate with its limits in the program: where nothing but limits asks for anything."""
+    solutions = [solve(program.take(index), elastic=load) for index in range(count)]
+    return np.array([solution.objective + load * min(solution.excess, 1e3) for solution in solutions])
+
+
+def by_least_squares(program: Program, count: int, load: float) -> Array:
     """Objective of the batched least-squares solution of every candidate, limits as a penalty."""
     P = len(program.unknowns)
     theta = np.zeros((count, P))

@@ -13,7 +13,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
 from equipoise.floors import floors
-from equipoise.limits import Limit, curve
+from equipoise.limits import Limit, OverInterval
 from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
 from equipoise.motion.moves import Free
@@ -133,16 +133,18 @@ def settle(task: Task) -> Balanced:
 def tightened(task: Task, program: Program) -> tuple[Program, Solution]:
     """Solve, and add the worst lengths of limits over intervals, until every length keeps them."""
     springs = {balancer.name: balancer for balancer in task.balancers if isinstance(balancer, Spring)}
-    curves = [limit for limit in task.limits if isinstance(limit, curve.Curve) and limit.over and limit.samples is None]
+    curves = [
+        limit for limit in task.limits if isinstance(limit, OverInterval) and limit.over and limit.samples is None
+    ]
     for _ in range(CUTS):
         solution = solve(program)
         values = {u.name: float(v) for u, v in zip(program.unknowns, solution.theta, strict=True)}
         added: list[Rows] = []
         for limit in curves:
             spring = springs[limit.spring]
-            lengths = curve.outside(limit, spring, values, BETWEEN_LENGTHS)
+            lengths = limit.outside(spring, values, BETWEEN_LENGTHS)
             if len(lengths):
-                added += [rows.expand(program.unknowns) for rows in curve.rows(limit, spring, lengths)]
+                added += [rows.expand(program.unknowns) for rows in limit.rows_at(spring, lengths)]
         if not added:
             return program, solution
         program = replace(program, rows=(*program.rows, *added))

@@ -15,10 +15,24 @@ from equipoise.floors import floors
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
-from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.parameters import candidates, reaches, read, unit_of, write
 from equipoise.solve.exchange import solve
-from equipoise.solve.program import Norm, Program
-from equipoise.solve.shape import Build, Freedom, Local, Optima, descend, distinct, linearise, screen, spread_out
+from equipoise.solve.program import NEGLIGIBLE, Norm, Program
+from equipoise.solve.shape import (
+    Build,
+    Freedom,
+    Judge,
+    Local,
+    Optima,
+    by_least_squares,
+    by_limits,
+    descend,
+    distinct,
+    linearise,
+    screen,
+    sown,
+    spread_out,
+)
 from equipoise.solve.sharpen import sharpen
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -28,6 +42,7 @@ from equipoise.verbs.balance import Balanced, Task, certify, finish, settle, tas
 COARSE = 400
 PER_START = 24
 REFINED = 4
+SOUNDED = 16
 SLACK = 2e-7
 """Share of the objective that may be given for less stored energy."""
 
@@ -71,7 +86,8 @@ def shape(
 ) -> Design:
     """Find geometry parameters within bounds together with all unknowns.
 
-    free maps parameter names such as `s1.path.line.0.z` to (low, high), SI. Geometries are screened with the
+    free maps parameter names such as `s1.path.line.0.z` to (low, high), SI; `s*.path.line.0.z` is one parameter that
+    all balancers whose names match share. Geometries are screened with the
     exact least-squares inner solution, the best and farthest apart become starts, each descends by sequential
     convex programming on few states until it is unlikely that an optimum is still unseen, the best finish on all.
     The same seed gives the same design; progress is called with (starts done, starts, best value). Ctrl-C ends
@@ -82,12 +98,22 @@ def shape(
     if starts < 1:
         raise InputError(f"{starts} starts", where="shape", hint="use at least one")
     freedoms = tuple(_freedom(balancers, name, bounds) for name, bounds in free.items())
+    _once(balancers, free)
     open_ones = {f.name: (f.lower + f.upper) / 2 for f in freedoms if read(balancers, f.name) is None}
     task = task_of(mechanism, write(balancers, open_ones), sweep, norm, objective, limits)
     search = _Search(task, freedoms)
     states = mechanism.states(sweep)
-    load = load_of(task, states)
-    optima = _descend_all(search, states, load, starts, seed, progress)
+    load, judge = load_of(task, states), by_least_squares
+    called_up = _called_up(search, states, seed)
+    if load <= NEGLIGIBLE * called_up:
+        load, judge = called_up, by_limits
+    elif not load > 0:
+        raise InputError(
+            "nothing loads what counts, and no limit asks the springs for anything",
+            where="objective",
+            hint="check gravity and joints, or ask for a least tension",
+        )
+    optima = _descend_all(search, states, load, judge, starts, seed, progress)
     if optima.best.excess > 1e-6:
         settle(search.at(optima.best.gamma))
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
@@ -111,26 +137,49 @@ def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, floa
     return Freedom(name, unit_of(balancers, name), low, high)
 
 
+def _once(balancers: Sequence[Balancer], free: Mapping[str, tuple[float, float]]) -> None:
+    """Raise InputError where two names free the same parameter."""
+    owner: dict[str, str] = {}
+    for name in free:
+        for parameter in reaches(balancers, name):
+            if parameter in owner:
+                raise InputError(
+                    f"{owner[parameter]} and {name} free the same parameter", where=f"shape.{name}", hint="keep one"
+                )
+            owner[parameter] = name
+
+
 def load_of(task: Task, states: States) -> float:
-    """The objective of the bare mechanism, which makes tolerances and penalties relative."""
+    """The objective of the bare mechanism, which makes tolerances and penalties relative; zero without any load."""
     load = 0.0
     for aim in task.objective:
         bare = effort(task.mechanism, (), states, aim.goal, aim.pole)
         if aim.cap is None and np.any(bare.b):
             load += aim.weight * aim.term(task.mechanism, bare, states.weight, bare).value(np.zeros(0))
-    if not load > 0:
-        raise InputError("nothing loads what counts", where="objective", hint="check gravity, joints")
     return load
 
 
+def _called_up(search: _Search, states: States, seed: int) -> float:
+    """What the limits call up by themselves: the median over geometries in the bounds; zero where they do not."""
+    build = search.builder(states.take(slice(None, None, 1 + len(states) // COARSE)))
+    found = [build(gamma[None]).take(0).called_up for gamma in sown(search.freedoms, SOUNDED, seed)]
+    return float(np.median([value for value in found if value > 0] or [0.0]))
+
+
 def _descend_all(
-    search: _Search, states: States, load: float, starts: int, seed: int, progress: Progress | None
+    search: _Search,
+    states: States,
+    load: float,
+    judge: Judge,
+    starts: int,
+    seed: int,
+    progress: Progress | None,
 ) -> Optima:
     """All starts on few states, the best few distinct ones again on all."""
     task = search.task
     few = task.mechanism.states(_thinned(task.sweep, states)) if len(task.sweep.poses) > COARSE else states
     coarse, fine = search.builder(few), search.builder(states)
-    ranked, _ = screen(coarse, search.freedoms, PER_START * starts, seed, 10 * load)
+    ranked, _ = screen(coarse, search.freedoms, PER_START * starts, seed, 10 * load, judge)
     begin = spread_out(ranked, search.freedoms, starts)
     present = _present(search)
     if present is not None:

@@ -59,7 +59,9 @@ def energy_errors(design: Design, poses: int = 64, seed: int = 0) -> dict[str, f
 def _line(design: Design, poses: int, seed: int) -> Line:
     sweep = design.sweep
     rng = np.random.default_rng(seed)
-    centre = sweep.poses[rng.integers(len(sweep.poses), size=poses)]
+    # Poses without weight lie next to anchors, where a cable's direction jumps.
+    known = sweep.poses[sweep.weight > 0]
+    centre = known[rng.integers(len(known), size=poses)]
     if sweep.box is not None:
         centre = sweep.box[:, 0] + rng.random((poses, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
     direction = rng.standard_normal(centre.shape)
@@ -68,7 +70,7 @@ def _line(design: Design, poses: int, seed: int) -> Line:
         try:
             return _along(design, centre, direction, step)
         except InputError:  # near the rim of what a linkage reaches: stay closer to poses that close
-            centre = sweep.poses[rng.integers(len(sweep.poses), size=poses)]
+            centre = known[rng.integers(len(known), size=poses)]
     return _along(design, centre, direction, STEP / 100)
 
 

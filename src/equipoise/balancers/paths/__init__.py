@@ -5,6 +5,7 @@ from equipoise.balancers.paths.angle import Angle
 from equipoise.balancers.paths.cable import Cable
 from equipoise.balancers.paths.cam import Cam
 from equipoise.balancers.paths.drum import Drum
+from equipoise.balancers.paths.four_bar import FourBar
 from equipoise.balancers.paths.gear import Gear
 from equipoise.balancers.paths.inverted_slider_crank import InvertedSliderCrank
 from equipoise.balancers.paths.line import Line
@@ -14,8 +15,10 @@ from equipoise.balancers.paths.profile import Profile
 from equipoise.balancers.paths.pulley import Pulley
 from equipoise.balancers.paths.reel import Reel
 from equipoise.balancers.paths.scotch_yoke import ScotchYoke
+from equipoise.balancers.paths.shaft import Shaft
 from equipoise.balancers.paths.slider_crank import SliderCrank
 from equipoise.balancers.paths.turn import Turn
+from equipoise.balancers.paths.winding import Winding
 
 __all__ = [
     "Absolute",
@@ -23,6 +26,7 @@ __all__ = [
     "Cable",
     "Cam",
     "Drum",
+    "FourBar",
     "Gear",
     "InvertedSliderCrank",
     "Line",
@@ -34,7 +38,9 @@ __all__ = [
     "Pulley",
     "Reel",
     "ScotchYoke",
+    "Shaft",
     "Sketch",
     "SliderCrank",
     "Turn",
+    "Winding",
 ]

@@ -14,7 +14,7 @@ from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Place, Sketch
 from equipoise.balancers.paths.profile import Profile
-from equipoise.balancers.paths.turn import Turn
+from equipoise.balancers.paths.shaft import Shaft
 from equipoise.states import States
 from equipoise.units import Angle, Length, Mass, Number
 
@@ -31,7 +31,7 @@ class Cam(Driven):
     follower, kg.
     """
 
-    input: Turn
+    input: Shaft
     profile: Profile
     phase: Angle = 0.0
     offset: Length = 0.0

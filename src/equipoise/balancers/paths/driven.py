@@ -13,7 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.inputs import check_angle
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Moving, Path, Place
-from equipoise.balancers.paths.turn import Turn
+from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, Point
 from equipoise.parameters import tag
@@ -29,7 +29,7 @@ class Driven(Path):
     be given, else it stands at the input's own shaft.
     """
 
-    input: Turn
+    input: Shaft
     phase: Any
     mount: Mount | None
     lengths = ""
@@ -54,6 +54,12 @@ class Driven(Path):
         self.insist(u)
         length, slope = self.curve(u)
         return length, slope[..., None] * rate
+
+    def along(self, length: Values) -> tuple[Values, Values]:
+        """The output at cable lengths and its derivative, where a winding is the input."""
+        angle, rate = self.input.along(length)
+        output, slope = self.curve(angle + self.phase)
+        return output, slope * rate
 
     def insist(self, u: Array) -> None:
         """One geometry must close at every angle; of many candidates the limits of `shape` judge."""
@@ -113,8 +119,5 @@ class Driven(Path):
 
     def drive(self, spec: mujoco.MjSpec, name: str, states: States, length: float) -> tuple[Any, Any]:
         """Add the mount's frame and the crank `<name>_crank` that the input turns; returns both bodies."""
-        model = states.mechanism.model
-        frame = bodies.add_frame(spec, self.at(model), f"{name}_frame")
-        coefficients, constant = self.input.terms(model)
-        crank = bodies.add_shaft(spec, frame, f"{name}_crank", (coefficients, constant + self.phase), length, states)
-        return frame, crank
+        frame = bodies.add_frame(spec, self.at(states.mechanism.model), f"{name}_frame")
+        return frame, self.input.crank(spec, frame, f"{name}_crank", states, self.phase, length)

@@ -40,6 +40,6 @@ class Drum(Turn):
 
     def check(self, mechanism: Mechanism, name: str) -> None:
         """Raise InputError for an input that is no angle, or a radius of zero."""
-        check_angle(self.input, mechanism, name, "drum")
+        check_angle(self.input, mechanism, name, "drum", Turn)
         if self.radius == 0:
             raise InputError(f"the drum of spring {name} has no radius: it winds nothing", where=f"spring {name}")

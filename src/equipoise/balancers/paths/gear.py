@@ -40,4 +40,4 @@ class Gear(Turn):
 
     def check(self, mechanism: Mechanism, name: str) -> None:
         """Raise InputError for an input that is no angle."""
-        check_angle(self.input, mechanism, name, "gear")
+        check_angle(self.input, mechanism, name, "gear", Turn)

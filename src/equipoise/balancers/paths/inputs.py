@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from equipoise.balancers.paths.turn import Turn
+from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 
 
-def check_angle(given: Any, mechanism: Mechanism, name: str, what: str) -> None:
-    """Raise InputError where the input of a path is no angle that the mechanism has."""
-    if not isinstance(given, Turn) or given.unit != "rad":
+def check_angle(given: Any, mechanism: Mechanism, name: str, what: str, kind: type[Shaft] = Shaft) -> None:
+    """Raise InputError where the input of a path is no angle, of a kind, that the mechanism has."""
+    if not isinstance(given, kind) or given.unit != "rad":
         word = type(given).__name__.lower()
         raise InputError(
             f"the {what} of spring {name} is driven by a {word}, whose deformation is no angle",

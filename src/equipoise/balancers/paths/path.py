@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal
 import mujoco
 
 from equipoise.affine import Array
+from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, Point
 from equipoise.states import Spot, States
 
@@ -78,6 +79,13 @@ class Path(ABC):
     @abstractmethod
     def deform(self, states: States) -> tuple[Array, Array]:
         """Deformation l (..., N), m or rad, and its derivative dl/dq_driven (..., N, nd)."""
+
+    def along(self, length: Any) -> tuple[Any, Any]:  # noqa: ARG002 - only what hangs on a cable follows it
+        """Deformation l (..., M) and dl/dc at lengths c (M,) of the cable that drives it; InputError without one."""
+        raise InputError(
+            "the spring hangs on no cable, so it gives none a tension",
+            hint="use path reel, or another that a winding drives",
+        )
 
     @abstractmethod
     def ends(self) -> tuple[tuple[Place, float], ...]:

@@ -28,6 +28,10 @@ class Reel(Path):
         """Length l (N,) and its derivative dl/dq_driven (N, nd); zero where the cable has no length."""
         return Line(*states.mechanism.cable(self.cable)).deform(states)
 
+    def along(self, length: Array) -> tuple[Array, Array]:
+        """The cable's own length."""
+        return length, np.ones_like(length)
+
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """A spring on a reel loads the platform with none of its own mass."""
         return ()

@@ -13,7 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Place, Sketch
-from equipoise.balancers.paths.turn import Turn
+from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
@@ -32,7 +32,7 @@ class ScotchYoke(Driven):
     slider at l) in kg. A negative radius turns the yoke's sense round.
     """
 
-    input: Turn
+    input: Shaft
     radius: Length
     phase: Angle = 0.0
     offset: Length = 0.0

@@ -13,7 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Place, Sketch
-from equipoise.balancers.paths.turn import Turn
+from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
@@ -38,7 +38,7 @@ class SliderCrank(Driven):
     finds them.
     """
 
-    input: Turn
+    input: Shaft
     crank: Length | None
     rod: Length | None
     offset: Length = 0.0

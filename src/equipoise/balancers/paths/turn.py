@@ -12,7 +12,8 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.mount import Mount
-from equipoise.balancers.paths.path import Moving, Path, Place, Sketch
+from equipoise.balancers.paths.path import Moving, Place, Sketch
+from equipoise.balancers.paths.shaft import Shaft
 from equipoise.mechanism import Point
 from equipoise.states import States
 
@@ -20,16 +21,17 @@ Terms = tuple[Mapping[str, Any], Any]
 SHOWN = 0.04
 
 
-class Turn(Path):
+class Turn(Shaft):
     """A deformation l = sum_j c_j q_j + c of hinges and slides: the common ground of angles, gears and drums."""
 
     @abstractmethod
     def terms(self, model: mujoco.MjModel) -> Terms:
         """Coefficients c_j by joint name, and the constant c."""
 
-    @abstractmethod
-    def shaft(self, model: mujoco.MjModel) -> Mount:
-        """Where the angle can be seen: the shaft, where it points at angle zero, and its axis."""
+    def crank(self, spec: mujoco.MjSpec, frame: Any, name: str, states: States, phase: Any, length: float) -> Any:
+        """A crank that a belt or gears turn with the joints."""
+        coefficients, constant = self.terms(states.mechanism.model)
+        return bodies.add_shaft(spec, frame, name, (coefficients, constant + phase), length, states)
 
     def deform(self, states: States) -> tuple[Array, Array]:
         """l (..., N) and dl/dq (..., N, nd)."""
@@ -51,9 +53,8 @@ class Turn(Path):
 
     def install(self, spec: mujoco.MjSpec, name: str, states: States) -> mujoco.MjsTendon:
         """Add a shaft `<name>_shaft` that the joints turn, and a tendon that reads its position."""
-        model = states.mechanism.model
-        frame = bodies.add_frame(spec, self.shaft(model), f"{name}_frame")
-        bodies.add_shaft(spec, frame, f"{name}_shaft", self.terms(model), SHOWN, states)
+        frame = bodies.add_frame(spec, self.shaft(states.mechanism.model), f"{name}_frame")
+        self.crank(spec, frame, f"{name}_shaft", states, 0.0, SHOWN)
         return bodies.read_joint(spec, name, f"{name}_shaft")
 
     def positions(self, states: States, name: str) -> dict[str, Array]:
