@@ -31,9 +31,9 @@ class CounterRotor:
     body turns at w_b about the axis n, the carrier (default: the base) at w_c; a positive ratio counter-rotates
     (a gear mesh, teeth of body's gear over rotor's, as in [arakelian_smith_2008]), a negative one turns along (a
     belt). `at` is the shaft's place on the carrier. inertia J in kg m^2, None where unknown; gear_inertia is that of
-    the gear or pulley which turns with the body itself on the same shaft's carrier (a planetary pair: belt to the base, then the mesh).
-    The rotor's mass is `mass`, or follows from a disc of `radius`: m = 2 J / radius^2. Every joint between
-    carrier, body and base must turn about n or slide. Unknown name.J.
+    the gear or pulley which turns with the body itself on the same shaft's carrier (a planetary pair: belt to the
+    base, then the mesh). The rotor's mass is `mass`, or follows from a disc of `radius`: m = 2 J / radius^2. Every
+    joint between carrier, body and base must turn about n or slide. Unknown name.J.
     """
 
     name: str
