@@ -50,7 +50,9 @@ from equipoise.forms import Family, Form
 from equipoise.limits import (
     Convex,
     Curvature,
+    Elongation,
     ExactAt,
+    Extension,
     Force,
     Length,
     MassCap,
@@ -146,6 +148,8 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 }
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
+    "elongation": Elongation,
+    "extension": Extension,
     "force": Force,
     "slack": Slack,
     "length": Length,
