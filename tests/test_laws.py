@@ -112,6 +112,12 @@ DRIVEN = {
     "inverted_slider_crank": lambda m: eq.InvertedSliderCrank(
         geared(m), 0.1, 0.3, phase=0.5, mount=standing(m), crank_mass=0.4, rod_mass=0.6, rod_com=0.25
     ),
+    "inverted_with_rod": lambda m: eq.InvertedSliderCrank(
+        geared(m), 0.1, 0.3, rod=0.55, phase=0.5, mount=standing(m), crank_mass=0.4, rod_mass=0.6, rod_com=0.25
+    ),
+    "cam_constant_energy": lambda m: eq.Cam(
+        geared(m), eq.ConstantEnergy(0.06, 0.8), offset=0.2, mount=standing(m), follower_mass=0.7
+    ),
     "cam": lambda m: eq.Cam(geared(m), LIFT, phase=0.2, offset=0.05, scale=1.5, mount=standing(m), follower_mass=0.7),
 }  # fmt: skip
 LENGTHS = {

@@ -28,10 +28,12 @@ from equipoise.balancers.paths import (
     Angle,
     Cable,
     Cam,
+    ConstantEnergy,
     Drum,
     FourBar,
     Gear,
     InvertedSliderCrank,
+    Lift,
     Line,
     Path,
     Profile,
@@ -122,7 +124,12 @@ PATHS: dict[str, Callable[..., Any]] = {
     "four_bar": FourBar,
     "reel": Reel,
 }
-PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
+PROFILES: dict[str, Callable[..., Any]] = {
+    "table": Profile,
+    "csv": Profile.csv,
+    "pitch": Profile.pitch,
+    "constant_energy": ConstantEnergy,
+}
 STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
 LAWS: dict[str, Callable[..., Any]] = {
@@ -209,7 +216,7 @@ def family_of(hint: Any) -> Family | Form | None:
         (TURN, {"any": Turn, **TURNS}),
         (SHAFT, {"any": Shaft}),
         (PATH, {"any": Path, **PATHS}),
-        (PROFILE, PROFILES),
+        (PROFILE, {"any": Lift, **PROFILES}),
         (PULLEY, PULLEYS),
         (MASS, MASSES),
         (SHAPE, SHAPES),
