@@ -86,6 +86,16 @@ _HOME = {
     "Elongation": "limits",
     "Extension": "limits",
     "Aim": "objective",
+    "Discover": "discovery.request",
+    "KeepOut": "discovery.lattice",
+    "Front": "discovery.front",
+    "Ideal": "discovery.kinds",
+    "Coils": "discovery.kinds",
+    "ConstantForce": "discovery.kinds",
+    "GasStruts": "discovery.kinds",
+    "TorsionSprings": "discovery.kinds",
+    "Counterweights": "discovery.kinds",
+    "discover": "verbs.discover",
     "Design": "design",
     "chain": "models.chain",
     "DrumWithTorsion": "make",
@@ -146,17 +156,21 @@ __all__ = [
     "CamWithSpring",
     "Claim",
     "Coil",
+    "Coils",
     "Constant",
     "ConstantEnergy",
+    "ConstantForce",
     "ConstantForceCam",
     "Convex",
     "CounterRotor",
     "Counterweight",
+    "Counterweights",
     "Curvature",
     "Cycloidal",
     "Design",
     "DisagreementError",
     "Disc",
+    "Discover",
     "Drum",
     "DrumWithTorsion",
     "Elongation",
@@ -168,12 +182,16 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Front",
     "Gas",
+    "GasStruts",
     "Gear",
     "HydroPneumatic",
+    "Ideal",
     "InfeasibleError",
     "InputError",
     "InvertedSliderCrank",
+    "KeepOut",
     "Length",
     "Line",
     "Linear",
@@ -211,6 +229,7 @@ __all__ = [
     "TimePolynomial",
     "TimeSpline",
     "Torsion",
+    "TorsionSprings",
     "Transmission",
     "Unknown",
     "WindUp",
@@ -227,6 +246,7 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "discover",
     "distribute",
     "equilibria",
     "exact_mean",
@@ -325,6 +345,17 @@ if TYPE_CHECKING:
     )
     from equipoise.claim import Claim
     from equipoise.design import Design
+    from equipoise.discovery.front import Front
+    from equipoise.discovery.kinds import (
+        Coils,
+        ConstantForce,
+        Counterweights,
+        GasStruts,
+        Ideal,
+        TorsionSprings,
+    )
+    from equipoise.discovery.lattice import KeepOut
+    from equipoise.discovery.request import Discover
     from equipoise.errors import (
         DisagreementError,
         EquipoiseError,
@@ -380,6 +411,7 @@ if TYPE_CHECKING:
     from equipoise.variation import exact_mean
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.discover import discover
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce

@@ -13,6 +13,7 @@ from equipoise.errors import DisagreementError, InputError, nearest
 
 if TYPE_CHECKING:
     from equipoise.design import Design
+    from equipoise.discovery.front import Front
     from equipoise.problem import Problem
     from equipoise.solve.program import Norm
 
@@ -113,12 +114,37 @@ def shape(
 @app.command()
 @guarded
 def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, starts: Starts = None) -> int:
-    """Shape (or balance), verify and report in one go."""
-    from equipoise.solving import balanced, shaped, solvable_problem
+    """Shape, balance or discover, verify and report in one go."""
+    from equipoise.solving import balanced, designed, shaped, solvable_problem
 
+    chosen = designed(file, seed)
+    if chosen is not None:
+        found, problem, stopped = chosen
+        return _reported(found, problem, json, out or _default_out(problem), stopped)
     problem = solvable_problem(file, "design")
     found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
     return _reported(found, problem, json, out or _default_out(problem), stopped)
+
+
+@app.command()
+@guarded
+def discover(
+    file: File,
+    *,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+    payload: Annotated[str | None, typer.Option("--payload", metavar="MASSES", help="Masses to carry: 0,5kg.")] = None,
+    at: Annotated[str | None, typer.Option("--at", metavar="BODY", help="The body that carries them.")] = None,
+    springs: Annotated[int | None, typer.Option("--springs", min=1, help="The largest number of springs.")] = None,
+    kinds: Annotated[str | None, typer.Option("--kinds", metavar="LIST", help="zero_free_length,coil,...")] = None,
+) -> int:
+    """Which springs at all: the best designs with 1, 2, 3, ... of them, verified."""
+    from equipoise.solving import discovered, discovery
+
+    problem = discovery(file, payload, at, springs, kinds)
+    front, stopped = discovered(problem, seed)
+    return _fronted(front, problem, json, out, stopped)
 
 
 @app.command()
@@ -265,6 +291,45 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
         say(f"stopped during verification and report; the design is in {out / 'design.json'}")
         return STOPPED
     return _conclude(found, json, stopped, [*_written(out, found), f"report      {out / 'report.html'}"])
+
+
+def _fronted(front: Front, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:
+    """Verify the designs of a front, write them, and say what there is to say."""
+    from equipoise.discovery.ask import design_problem
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.verbs.verify import insist
+    from equipoise.verbs.verify import verify as run
+
+    lines, reasons, made = [], [], []
+    with staging(out) as stage:
+        for design in front.designs:
+            folder = None if stage is None else stage / front.folder(design)
+            if folder is not None:
+                folder.mkdir()
+            place = None if out is None else out / front.folder(design)
+            told = _told(design, design_problem(design, problem), place)
+            found = told if stopped else run(told, out=folder)
+            made.append(found)
+            _write(found, folder)
+            lines += _written(place, found)
+            try:
+                insist(found)
+            except DisagreementError as error:
+                reasons.append(str(error))
+        front = front.with_designs(tuple(made))
+        if stage is not None:
+            (stage / "front.json").write_text(dumps(front.json()), encoding="utf-8")
+    lines += [f"front       {out / 'front.json'}"] if out is not None else []
+    say("\n".join([str(front), *lines]))
+    if json:
+        emit(front.json())
+    if stopped:
+        return STOPPED
+    missed = [design.missed for design in front.designs]
+    reasons += [f"target missed by every design: {missed[-1]}"] if all(missed) else []
+    for reason in reasons:
+        say(f"error: {reason}")
+    return 1 if reasons else 0
 
 
 def _conclude(found: Design, json: bool, stopped: bool, lines: Sequence[str]) -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from equipoise.balancers.spring import Spring
+from equipoise.discovery.request import Discover
 from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
 from equipoise.forms import Form, Later, Reading
 from equipoise.mechanism import Mechanism
@@ -36,7 +37,7 @@ class ProblemFile:
     mechanism is a robot file `{model: path}` or a builder; sweep the poses that matter (default: 2048 Sobol
     poses over the joint limits); start {spring: {prescribed: ...}} derives a spring's geometry, from which shape then
     starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; make lists cams and drums that
-    `equipoise make` cuts.
+    `equipoise make` cuts; discover says how `equipoise discover` looks for springs, in the place of balancers.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -50,6 +51,7 @@ class ProblemFile:
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()
+    discover: Discover | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,13 @@ from equipoise.errors import InputError
 from equipoise.loops import accelerations, ancestors, close_loops, close_motion
 from equipoise.mechanism import Mechanism, Point
 
+ANSWERS = 16
+REMEMBERED = 2_000_000
+"""How many answers to keep, and the numbers above which one is not kept."""
+
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import mujoco
 
     from equipoise.sweep import Sweep
@@ -127,6 +133,7 @@ class States:
     rates: Rates | None = None
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
     _placements: dict[int, Placement] = field(default_factory=dict, repr=False)
+    _answers: dict[int, tuple[Any, Any]] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(mechanism: Mechanism, sweep: Sweep) -> States:
@@ -147,6 +154,18 @@ class States:
 
     def __len__(self) -> int:
         return len(self.driven)
+
+    def remembered(self, asker: Any, answer: Callable[[], tuple[Array, Array]]) -> tuple[Array, Array]:
+        """What an object, such as a path, was answered about these states; the last few small answers are kept."""
+        kept = self._answers
+        if id(asker) not in kept:
+            found = answer()
+            if sum(part.size for part in found) > REMEMBERED:
+                return found
+            while len(kept) >= ANSWERS:
+                kept.pop(next(iter(kept)))
+            kept[id(asker)] = (asker, found)
+        return kept[id(asker)][1]
 
     def take(self, rows: slice | Indices) -> States:
         """Some of the rows."""
@@ -172,7 +191,7 @@ class States:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
-        arm = xmat @ local if local.ndim == 1 else (xmat @ local[..., None])[..., 0]
+        arm = xmat @ local if local.ndim == 1 else sum(local[..., i, None] * xmat[..., :, i] for i in range(3))
         position = xpos + arm
         linear, angular = self._twist(body)
         if not ancestors(self.mechanism.model, body):
@@ -180,8 +199,11 @@ class States:
         offset = position - self.kin.com[:, body]
         x, y, z = (offset[..., i, None] for i in range(3))
         wx, wy, wz = (angular[:, i] for i in range(3))
-        turn = np.stack([wy * z - wz * y, wz * x - wx * z, wx * y - wy * x], axis=-2)
-        return position, linear + turn
+        moved = np.empty((*position.shape, linear.shape[-1]), dtype=position.dtype)
+        moved[..., 0, :] = linear[:, 0] + wy * z - wz * y
+        moved[..., 1, :] = linear[:, 1] + wz * x - wx * z
+        moved[..., 2, :] = linear[:, 2] + wx * y - wy * x
+        return position, moved
 
     def angle(self, joint: str) -> tuple[Array, Array]:
         """Position (N,) of a hinge or slide and its Jacobian (N, nd)."""

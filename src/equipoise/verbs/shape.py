@@ -181,13 +181,15 @@ def _descend_all(
 ) -> Optima:
     """All starts on few states, the best few distinct ones again on all."""
     task = search.task
-    few = task.mechanism.states(_thinned(task.sweep, states)) if len(task.sweep.poses) > COARSE else states
+    few = task.mechanism.states(thinned(task.sweep, states, COARSE)) if len(task.sweep.poses) > COARSE else states
     coarse, fine = search.builder(few), search.builder(states)
-    ranked, _ = screen(coarse, search.freedoms, PER_START * starts, seed, 10 * load, judge)
-    begin = spread_out(ranked, search.freedoms, starts)
     present = _present(search)
-    if present is not None:
-        begin = np.vstack([present, begin[: starts - 1]])
+    if present is not None and starts == 1:
+        begin = present
+    else:
+        ranked, _ = screen(coarse, search.freedoms, PER_START * starts, seed, 10 * load, judge)
+        begin = spread_out(ranked, search.freedoms, starts)
+        begin = begin if present is None else np.vstack([present, begin[: starts - 1]])
     found: list[Local] = []
     try:
         for done, gamma in enumerate(begin, 1):
@@ -237,11 +239,11 @@ def _distinct(found: list[Local], freedoms: Sequence[Freedom], count: int) -> li
     return chosen
 
 
-def _thinned(sweep: Sweep, states: States) -> Sweep:
-    """A few hundred of the sweep's poses: an even choice and the most loaded ones."""
-    even = np.linspace(0, len(sweep.poses) - 1, COARSE * 3 // 4).astype(int)
+def thinned(sweep: Sweep, states: States, count: int) -> Sweep:
+    """About `count` of the sweep's poses: an even choice and the most loaded ones."""
+    even = np.linspace(0, len(sweep.poses) - 1, count * 3 // 4).astype(int)
     loads = np.abs(states.holding).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    heavy = np.argsort(-loads, axis=0)[: max(1, COARSE // 4 // loads.shape[1])].ravel()
+    heavy = np.argsort(-loads, axis=0)[: max(1, count // 4 // loads.shape[1])].ravel()
     keep = np.union1d(even, heavy)
     return sweep.thinned(keep)
 
