@@ -96,10 +96,15 @@ _HOME = {
     "wrench_matrix": "cables",
     "closure": "cables",
     "feasible": "cables",
-    "sag_tension": "cables",
+    "sag_tension": "sag",
+    "Sag": "sag",
     "distribute": "cables",
     "clearance": "cables",
     "stiffness": "cables",
+    "held_stiffness": "cables",
+    "survey": "cables",
+    "behaviour": "cables",
+    "spline_floor": "cables",
     "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
@@ -191,6 +196,7 @@ __all__ = [
     "Profile",
     "Pulley",
     "Reel",
+    "Sag",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -216,6 +222,7 @@ __all__ = [
     "arm_cam",
     "arm_curve",
     "balance",
+    "behaviour",
     "cable_platform",
     "caspr",
     "chain",
@@ -230,6 +237,7 @@ __all__ = [
     "four_bar",
     "gas_cylinder",
     "geometry_map",
+    "held_stiffness",
     "human_leg",
     "iterated_rates",
     "law_curve",
@@ -246,7 +254,9 @@ __all__ = [
     "sag_tension",
     "shape",
     "slider_crank",
+    "spline_floor",
     "stiffness",
+    "survey",
     "verify",
     "wrench_matrix",
 ]
@@ -307,13 +317,16 @@ if TYPE_CHECKING:
     from equipoise.balancers.spring import Spring
     from equipoise.balancers.synthesis import Prescribed
     from equipoise.cables import (
+        behaviour,
         clearance,
         closure,
         distribute,
         equilibria,
         feasible,
-        sag_tension,
+        held_stiffness,
+        spline_floor,
         stiffness,
+        survey,
         wrench_matrix,
     )
     from equipoise.claim import Claim
@@ -366,6 +379,7 @@ if TYPE_CHECKING:
     from equipoise.motion.motion import Motion
     from equipoise.objective import Aim
     from equipoise.problem import Problem, load_problem
+    from equipoise.sag import Sag, sag_tension
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
     from equipoise.variation import exact_mean

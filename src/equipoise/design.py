@@ -23,6 +23,8 @@ from equipoise.states import States
 from equipoise.sweep import Sweep
 
 if TYPE_CHECKING:
+    from equipoise.cables.behaviour import Behaviour
+    from equipoise.make.synthesis import Part
     from equipoise.verification.findings import Verification
 
 
@@ -93,7 +95,8 @@ class Design:
 
     values {name: SI value} and units {name: unit} of the unknowns; geometry {parameter: value} that shape
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
-    whose poses were found between the samples; problem is the file it came from, where there was one.
+    whose poses were found between the samples; problem is the file it came from, where there was one; cables says how
+    a cable platform behaves with its springs, made are the cams and drums cut for them.
     """
 
     mechanism: Mechanism
@@ -113,6 +116,8 @@ class Design:
     refined: int = 0
     verification: Verification | None = None
     problem: Mapping[str, Any] | None = None
+    cables: Behaviour | None = None
+    made: tuple[Part, ...] = ()
 
     @property
     def norm(self) -> str:
@@ -217,6 +222,8 @@ class Design:
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
+            "cables": None if self.cables is None else self.cables.json(),
+            "made": [part.facts() for part in self.made],
             "cite": self.cite(),
         }
 

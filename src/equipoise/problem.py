@@ -36,7 +36,7 @@ class ProblemFile:
     mechanism is a robot file `{model: path}` or a builder; sweep the poses that matter (default: 2048 Sobol
     poses over the joint limits); start {spring: {prescribed: ...}} derives a spring's geometry, from which shape then
     starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; make lists cams and drums that
-    `equipoise make` cuts.
+    `equipoise make` cuts; trajectory, a motion or poses in order, is what a cable platform's motors are judged on.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -50,6 +50,7 @@ class ProblemFile:
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()
+    trajectory: Annotated[Any, SWEEP] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +82,18 @@ class Problem:
         with self.at("sweep"):
             if later is None:
                 return Sweep.sobol(self.mechanism)
+            self._joint_units(later)
+            return later(self.mechanism)
+
+    @functools.cached_property
+    def trajectory(self) -> Sweep | None:
+        """What the motors of a cable platform follow."""
+        later = self.content.trajectory
+        if later is None:
+            return None
+        with self.at("trajectory"):
+            if self.mechanism.platform is None or not self.mechanism.platform.cables:
+                raise InputError(f"{self.mechanism.name} has no cables, a trajectory says nothing of it")
             self._joint_units(later)
             return later(self.mechanism)
 

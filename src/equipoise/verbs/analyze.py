@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,18 +17,26 @@ from equipoise.states import States
 from equipoise.steepness import Account, steepness
 from equipoise.sweep import Sweep
 
+if TYPE_CHECKING:
+    from equipoise.cables.survey import Survey
+
 WORTH_SHARE = 0.1
 WORTH_MOTOR = 0.02
+NOTHING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """Holding effort of the bare mechanism per driven joint, which are worth a spring and why, the mass audit."""
+    """Holding effort of the bare mechanism per driven joint, which are worth a spring and why, the mass audit.
+
+    cables says, of a platform that cables hold, where and how well they do.
+    """
 
     mechanism: Mechanism
     sweep: Sweep
     rows: dict[str, Row]
     reasons: dict[str, str]
+    cables: Survey | None = None
 
     @property
     def worth(self) -> tuple[str, ...]:
@@ -44,6 +53,7 @@ class Analysis:
                 for joint, row in self.rows.items()
             },
             "audit": list(self.mechanism.remarks),
+            "cables": None if self.cables is None else self.cables.json(),
         }
 
     def __str__(self) -> str:
@@ -58,7 +68,8 @@ def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
     Over poses it is what motors hold; over a motion what they supply, inertia included, and the wrench of the
     base on the mechanism is told beside it (moment about the world origin).
     A joint is not worth a spring where gravity loads it with less than 10 % of the largest effort of its
-    unit and less than 2 % of its motor limit. Peaks are polished between the samples.
+    unit and less than 2 % of its motor limit. Peaks are polished between the samples. Of a cable platform up to 400
+    poses are surveyed: wrench closure, feasibility, clearance, stiffness.
     """
     sweep = sweep or Sweep.sobol(mechanism)
     states = mechanism.states(sweep)
@@ -66,13 +77,23 @@ def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
     loads = {joint: rows[joint] for joint in mechanism.driven}
     if states.rates is not None:
         loads = table(mechanism, sweep, states, lambda other: (mechanism.driven_blocks, other.holding))
-    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads})
+    return Analysis(
+        mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads}, _cables(mechanism, sweep)
+    )
+
+
+def _cables(mechanism: Mechanism, sweep: Sweep) -> Survey | None:
+    if mechanism.platform is None or not mechanism.platform.cables:
+        return None
+    from equipoise.cables.survey import looked_at, survey
+
+    return survey(mechanism.states(sweep.at_poses(looked_at(sweep))))
 
 
 def _reason(joint: str, rows: dict[str, Row]) -> str:
     row = rows[joint]
     largest = max(other.peak for other in rows.values() if other.unit == row.unit)
-    if row.peak <= 1e-6 * max(largest, 1e-9):
+    if row.peak <= max(1e-6 * largest, NOTHING):
         return "gravity does not load it"
     share = row.peak / largest
     if row.limit is not None:
