@@ -22,6 +22,7 @@ from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim, pole_of
 from equipoise.states import States
 from equipoise.sweep import Sweep
+from equipoise.swept import swept_box
 
 if TYPE_CHECKING:
     from equipoise.machinery import Machine
@@ -284,6 +285,7 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
         "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
         "length": [float(length.min()), float(length.max())],
         "stroke": float(length.max() - length.min()),
+        "room": swept_box(spring.path, design.states).tolist(),
         "force": [float(force.min()), float(force.max())],
         "energy": [float(energy.min()), float(energy.max())],
         "mass": float(spring.own_mass),
