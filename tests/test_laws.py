@@ -378,7 +378,7 @@ def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
     part = eq.Spring("b", PATHS["between"](mech), LIMITED[law])
     curved = law == "gas" and limit in ("force_over", "slope", "curvature", "convex")
     if curved or (law != "coil" and limit in ("elongation", "extension")):
-        with pytest.raises(eq.InputError, match="is no (polynomial|coil)"):
+        with pytest.raises(eq.InputError, match=r"is no (polynomial|coil)"):
             LIMITS[limit]().rows(Setting({"b": part}, states, lambda poses: effort(mech, [part], states)))
         return
     name, h = "b.path.line.1.x", 1e-6
