@@ -60,6 +60,7 @@ from equipoise.limits import (
     MassCap,
     Slack,
     Slope,
+    SpringIndex,
     Stiffness,
     Stroke,
     Tension,
@@ -158,6 +159,7 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
     "elongation": Elongation,
+    "spring_index": SpringIndex,
     "extension": Extension,
     "force": Force,
     "slack": Slack,
