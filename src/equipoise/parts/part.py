@@ -12,7 +12,6 @@ from equipoise.affine import Array
 from equipoise.balancers.laws.law import Law, Share
 from equipoise.errors import InputError
 
-
 TOLERANCE = 1e-6
 """Share of its scale by which a part may miss what it needs before it is refused: what `shape` leaves at a bound."""
 
