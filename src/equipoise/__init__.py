@@ -82,6 +82,7 @@ _HOME = {
     "Stiffness": "limits",
     "MassCap": "limits",
     "ExactAt": "limits",
+    "Balanced": "limits",
     "Aim": "objective",
     "Design": "design",
     "chain": "models.chain",
@@ -112,6 +113,8 @@ _HOME = {
     "cable_platform": "models.cable_platform",
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
+    "conditions": "verbs.conditions",
+    "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "shape": "verbs.shape",
     "verify": "verbs.verify",
@@ -137,12 +140,14 @@ __all__ = [
     "Aim",
     "Angle",
     "BSpline",
+    "Balanced",
     "Block",
     "Cable",
     "Cam",
     "CamWithSpring",
     "Claim",
     "Coil",
+    "Conditions",
     "Constant",
     "ConstantForceCam",
     "Convex",
@@ -221,6 +226,7 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "conditions",
     "distribute",
     "equilibria",
     "exact_mean",
@@ -328,6 +334,7 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import (
+        Balanced,
         Convex,
         Curvature,
         ExactAt,
@@ -371,6 +378,7 @@ if TYPE_CHECKING:
     from equipoise.variation import exact_mean
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce

@@ -1,5 +1,6 @@
 """What must hold: limits answer linear rows for the states of a sweep."""
 
+from equipoise.limits.balanced import Balanced
 from equipoise.limits.cable import Tension, Transmission, WindUp
 from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
 from equipoise.limits.exact import ExactAt
@@ -8,6 +9,7 @@ from equipoise.limits.realisable import realisable
 from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
 
 __all__ = [
+    "Balanced",
     "Convex",
     "Curvature",
     "ExactAt",
