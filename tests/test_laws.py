@@ -112,6 +112,12 @@ DRIVEN = {
     "inverted_slider_crank": lambda m: eq.InvertedSliderCrank(
         geared(m), 0.1, 0.3, phase=0.5, mount=standing(m), crank_mass=0.4, rod_mass=0.6, rod_com=0.25
     ),
+    "inverted_with_rod": lambda m: eq.InvertedSliderCrank(
+        geared(m), 0.1, 0.3, rod=0.55, phase=0.5, mount=standing(m), crank_mass=0.4, rod_mass=0.6, rod_com=0.25
+    ),
+    "cam_constant_energy": lambda m: eq.Cam(
+        geared(m), eq.ConstantEnergy(0.06, 0.8), offset=0.2, mount=standing(m), follower_mass=0.7
+    ),
     "cam": lambda m: eq.Cam(geared(m), LIFT, phase=0.2, offset=0.05, scale=1.5, mount=standing(m), follower_mass=0.7),
 }  # fmt: skip
 LENGTHS = {
@@ -339,6 +345,8 @@ LIMITS = {
     "length": lambda: eq.Length("b", max=0.9, min=0.1),
     "stroke": lambda: eq.Stroke("b", max=0.3),
     "stiffness": lambda: eq.Stiffness("b", max=2000.0, min=5.0),
+    "elongation": lambda: eq.Elongation("b", max=1.0, min=0.05),
+    "extension": lambda: eq.Extension("b", max=0.2),
     "force_over": lambda: eq.Force("b", max=300.0, min=10.0, over=(0.1, 0.9)),
     "slope": lambda: eq.Slope("b", (0.1, 0.9), min=5.0),
     "curvature": lambda: eq.Curvature("b", (0.1, 0.9), max=50.0),
@@ -360,8 +368,9 @@ def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
     """Rows are finite, as many as their right sides, and their complex-step slope is that of differences."""
     mech, states, _, _ = posed["spatial"]
     part = eq.Spring("b", PATHS["between"](mech), LIMITED[law])
-    if law == "gas" and limit in ("force_over", "slope", "curvature", "convex"):
-        with pytest.raises(eq.InputError, match="is no polynomial"):
+    curved = law == "gas" and limit in ("force_over", "slope", "curvature", "convex")
+    if curved or (law != "coil" and limit in ("elongation", "extension")):
+        with pytest.raises(eq.InputError, match="is no (polynomial|coil)"):
             LIMITS[limit]().rows(Setting({"b": part}, states, lambda poses: effort(mech, [part], states)))
         return
     name, h = "b.path.line.1.x", 1e-6

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
 from equipoise.loops import accelerations, ancestors, close_loops, close_motion
 from equipoise.mechanism import Mechanism, Point
@@ -79,7 +79,7 @@ class Rates:
     cdof_dot: Array
     damper: Array
 
-    def take(self, rows: slice) -> Rates:
+    def take(self, rows: slice | Indices) -> Rates:
         """Some of the rows."""
         return Rates(*(getattr(self, field.name)[rows] for field in fields(Rates)))
 
@@ -148,7 +148,7 @@ class States:
     def __len__(self) -> int:
         return len(self.driven)
 
-    def take(self, rows: slice) -> States:
+    def take(self, rows: slice | Indices) -> States:
         """Some of the rows."""
         kin = Kinematics(**{field.name: getattr(self.kin, field.name)[rows] for field in fields(Kinematics)})
         return States(

@@ -28,10 +28,12 @@ from equipoise.balancers.paths import (
     Angle,
     Cable,
     Cam,
+    ConstantEnergy,
     Drum,
     FourBar,
     Gear,
     InvertedSliderCrank,
+    Lift,
     Line,
     Path,
     Profile,
@@ -51,7 +53,9 @@ from equipoise.limits import (
     Balanced,
     Convex,
     Curvature,
+    Elongation,
     ExactAt,
+    Extension,
     Force,
     Length,
     MassCap,
@@ -121,7 +125,12 @@ PATHS: dict[str, Callable[..., Any]] = {
     "four_bar": FourBar,
     "reel": Reel,
 }
-PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
+PROFILES: dict[str, Callable[..., Any]] = {
+    "table": Profile,
+    "csv": Profile.csv,
+    "pitch": Profile.pitch,
+    "constant_energy": ConstantEnergy,
+}
 STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
 LAWS: dict[str, Callable[..., Any]] = {
@@ -147,6 +156,8 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 }
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
+    "elongation": Elongation,
+    "extension": Extension,
     "force": Force,
     "slack": Slack,
     "length": Length,
@@ -207,7 +218,7 @@ def family_of(hint: Any) -> Family | Form | None:
         (TURN, {"any": Turn, **TURNS}),
         (SHAFT, {"any": Shaft}),
         (PATH, {"any": Path, **PATHS}),
-        (PROFILE, PROFILES),
+        (PROFILE, {"any": Lift, **PROFILES}),
         (PULLEY, PULLEYS),
         (MASS, MASSES),
         (SHAPE, SHAPES),

@@ -3,6 +3,7 @@
 from equipoise.limits.balanced import Balanced
 from equipoise.limits.cable import Tension, Transmission, WindUp
 from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
+from equipoise.limits.elongation import Elongation, Extension
 from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
 from equipoise.limits.realisable import realisable
@@ -12,7 +13,9 @@ __all__ = [
     "Balanced",
     "Convex",
     "Curvature",
+    "Elongation",
     "ExactAt",
+    "Extension",
     "Force",
     "Length",
     "Limit",

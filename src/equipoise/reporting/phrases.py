@@ -155,7 +155,13 @@ def where_words(part: Mapping[str, Any]) -> str:
 def work_words(part: Mapping[str, Any]) -> str:
     """Length, force and energy of a spring over the sweep."""
     mass = f", own mass {quantity(part['mass'], 'kg', 3)}" if part.get("mass") else ""
-    return ", ".join(f"{name} {value}" for name, value in facts(part)) + mass + pushing(part)
+    return ", ".join(f"{name} {value}" for name, value in facts(part)) + room_words(part) + mass + pushing(part)
+
+
+def room_words(part: Mapping[str, Any]) -> str:
+    """`, room 130 x 0 x 260 mm`: the box that spring and rods sweep, along the world's axes."""
+    sides = [high - low for low, high in zip(*part["room"], strict=True)]
+    return f", room {' x '.join(plain(round(1e3 * side, 1), 3) for side in sides)} mm" if max(sides) > 1e-6 else ""
 
 
 def facts(part: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -291,7 +297,9 @@ def certificate_words(design: Design) -> str:
         words = f"exact: {sig(value, 2)} {unit} left, also at poses outside the sweep"
     else:
         words = f"convex, gap {sig(shown(c.gap, c.unit)[0], 2)} {unit}{share}"
-    if design.geometry:
+    if design.geometry and c.kind == "exact":
+        words += f"; geometry found from {c.starts} start{'s' * (c.starts != 1)}, none does better"
+    elif design.geometry:
         optima = "1 optimum" if c.optima == 1 else f"{c.optima} different optima"
         apart = f", values up to {sig(shown(c.spread, c.unit)[0], 3)} {unit} apart" if c.optima > 1 else ""
         words += f"; geometry: local, {c.starts} start{'s' * (c.starts != 1)}, {optima}{apart}"
