@@ -67,6 +67,13 @@ LAWS = {
     "bspline": eq.BSpline((0.05, 1.6), pieces=4),
     "polynomial": eq.Polynomial((0.05, 1.6), degree=5),
     "polynomial_given": eq.Polynomial((0.05, 1.6), degree=2, coefficients=(30.0, 8.0, -2.0)),
+    "extension_spring": eq.ExtensionSpring(0.003, 0.03, 40.0, initial_tension=20.0, number=2.0, leader=0.01),
+    "extension_spring_302": eq.ExtensionSpring(0.0024, 0.03, 40.0, grade="ASTM A313 302", free_length=0.3),
+    "compression_spring": eq.CompressionSpring(0.004, 0.05, 20.0, free_length=0.6, number=3.0),
+    "compression_spring_guided": eq.CompressionSpring(0.004, 0.05, 20.0, free_length=0.6, seating=None),
+    "gas_spring": eq.GasSpring(200.0, 260.0, stroke=0.5, length=0.9, friction=15.0, temperature=303.15),
+    "constant_force_spring": eq.ConstantForceSpring(0.02, 2e-4, 0.0125, travel=0.5),
+    "stock_spring": eq.StockSpring("S", 400.0, 0.2, limit=0.6, force=150.0, initial_tension=8.0, number=2.0),
 }
 TORQUES = {
     **{name: LAWS[name] for name in ("zero_free_length", "linear", "linear_preload_given", "constant")},
@@ -74,6 +81,7 @@ TORQUES = {
     "torsion_rest_unknown": eq.Torsion(rest=None),
     "torsion_preload_unknown": eq.Torsion(rest=0.4, preload=None),
     "torsion_given": eq.Torsion(k=3.0, rest=-0.2, preload=1.5),
+    "torsion_spring": eq.TorsionSpring(0.005, 0.05, 8.0, rest=-0.3, number=2.0),
     "polynomial": eq.Polynomial((-9.0, 9.0), degree=4),
 }
 PATHS = {
@@ -370,7 +378,7 @@ def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
     part = eq.Spring("b", PATHS["between"](mech), LIMITED[law])
     curved = law == "gas" and limit in ("force_over", "slope", "curvature", "convex")
     if curved or (law != "coil" and limit in ("elongation", "extension")):
-        with pytest.raises(eq.InputError, match="is no (polynomial|coil)"):
+        with pytest.raises(eq.InputError, match=r"is no (polynomial|coil)"):
             LIMITS[limit]().rows(Setting({"b": part}, states, lambda poses: effort(mech, [part], states)))
         return
     name, h = "b.path.line.1.x", 1e-6

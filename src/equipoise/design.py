@@ -20,6 +20,7 @@ from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim, pole_of
+from equipoise.parts import Part
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.swept import swept_box
@@ -289,6 +290,7 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
         "force": [float(force.min()), float(force.max())],
         "energy": [float(energy.min()), float(energy.max())],
         "mass": float(spring.own_mass),
+        **(spring.law.record(length) if isinstance(spring.law, Part) else {}),
     }
 
 

@@ -79,6 +79,7 @@ from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.rrr3 import rrr3
 from equipoise.models.slider_crank import slider_crank
 from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
+from equipoise.parts import PARTS
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -144,6 +145,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "torsion": Torsion,
     "polynomial": Polynomial,
     "bspline": BSpline,
+    **PARTS,
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
