@@ -90,6 +90,7 @@ _HOME = {
     "Stiffness": "limits",
     "MassCap": "limits",
     "ExactAt": "limits",
+    "Balanced": "limits",
     "Elongation": "limits",
     "SpringIndex": "limits",
     "Extension": "limits",
@@ -123,6 +124,8 @@ _HOME = {
     "cable_platform": "models.cable_platform",
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
+    "conditions": "verbs.conditions",
+    "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "shape": "verbs.shape",
     "verify": "verbs.verify",
@@ -157,6 +160,7 @@ __all__ = [
     "Aim",
     "Angle",
     "BSpline",
+    "Balanced",
     "Bearing",
     "BearingForces",
     "Block",
@@ -166,6 +170,7 @@ __all__ = [
     "Claim",
     "Coil",
     "CompressionSpring",
+    "Conditions",
     "Constant",
     "ConstantEnergy",
     "ConstantForceCam",
@@ -257,6 +262,7 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "conditions",
     "distribute",
     "equilibria",
     "exact_mean",
@@ -369,6 +375,7 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import (
+        Balanced,
         Convex,
         Curvature,
         Elongation,
@@ -427,6 +434,7 @@ if TYPE_CHECKING:
     from equipoise.variation import exact_mean
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce

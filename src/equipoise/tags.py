@@ -50,6 +50,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.balancers.synthesis import Prescribed
 from equipoise.forms import Family, Form
 from equipoise.limits import (
+    Balanced,
     Convex,
     Curvature,
     Elongation,
@@ -167,6 +168,7 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "balanced": Balanced,
     "slope": Slope,
     "curvature": Curvature,
     "convex": Convex,

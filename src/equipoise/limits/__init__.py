@@ -1,5 +1,6 @@
 """What must hold: limits answer linear rows for the states of a sweep."""
 
+from equipoise.limits.balanced import Balanced
 from equipoise.limits.cable import Tension, Transmission, WindUp
 from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
 from equipoise.limits.elongation import Elongation, Extension
@@ -10,6 +11,7 @@ from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, St
 from equipoise.limits.spring_index import SpringIndex
 
 __all__ = [
+    "Balanced",
     "Convex",
     "Curvature",
     "Elongation",
