@@ -166,7 +166,9 @@ def load_of(task: Task, states: States) -> float:
 def _called_up(search: _Search, states: States, seed: int) -> float:
     """What the limits call up by themselves: the median over geometries in the bounds; zero where they do not."""
     build = search.builder(states.take(slice(None, None, 1 + len(states) // COARSE)))
-    found = [build(gamma[None]).take(0).called_up for gamma in sown(search.freedoms, SOUNDED, seed)]
+    gammas = sown(search.freedoms, SOUNDED, seed)
+    sounded = build(gammas)
+    found = [sounded.take(index).called_up for index in range(len(gammas))]
     return float(np.median([value for value in found if value > 0] or [0.0]))
 
 
@@ -183,7 +185,7 @@ def _descend_all(
     task = search.task
     few = task.mechanism.states(_thinned(task.sweep, states)) if len(task.sweep.poses) > COARSE else states
     coarse, fine = search.builder(few), search.builder(states)
-    ranked, _ = screen(coarse, search.freedoms, PER_START * starts, seed, 10 * load, judge)
+    ranked, _ = screen(coarse, len(few), search.freedoms, PER_START * starts, seed, 10 * load, judge)
     begin = spread_out(ranked, search.freedoms, starts)
     present = _present(search)
     if present is not None:
