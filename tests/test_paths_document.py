@@ -22,7 +22,7 @@ balancers:
 {body}
 objective: {{goal: hold, norm: rms}}
 """
-ELSEWHERE = {"reel": "a platform's cable, in docs/cables.md"}
+ELSEWHERE = {"reel": "a platform's cable, in docs/cables.md", "winding": "its drum, there too"}
 
 
 @pytest.mark.parametrize("snippet", SNIPPETS, ids=[snippet.split("\n")[0][:40] for snippet in SNIPPETS])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
 from equipoise.loops import accelerations, ancestors, close_loops, close_motion
 from equipoise.mechanism import Mechanism, Point
@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     import mujoco
 
     from equipoise.sweep import Sweep
+
+REMEMBERED = 12
+"""Points whose places are kept for the next who asks."""
 
 
 class Spot(Protocol):
@@ -79,7 +82,7 @@ class Rates:
     cdof_dot: Array
     damper: Array
 
-    def take(self, rows: slice | Array) -> Rates:
+    def take(self, rows: slice | Indices) -> Rates:
         """Some of the rows."""
         return Rates(*(getattr(self, field.name)[rows] for field in fields(Rates)))
 
@@ -127,6 +130,7 @@ class States:
     rates: Rates | None = None
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
     _placements: dict[int, Placement] = field(default_factory=dict, repr=False)
+    _points: dict[int, tuple[Point, tuple[Array, Array]]] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(mechanism: Mechanism, sweep: Sweep) -> States:
@@ -148,7 +152,7 @@ class States:
     def __len__(self) -> int:
         return len(self.driven)
 
-    def take(self, rows: slice | Array) -> States:
+    def take(self, rows: slice | Indices) -> States:
         """Some of the rows."""
         kin = Kinematics(**{field.name: getattr(self.kin, field.name)[rows] for field in fields(Kinematics)})
         return States(
@@ -169,6 +173,14 @@ class States:
         """
         if not isinstance(point, Point):
             return point.locate(self)
+        # Path, law, limits and own mass of a spring ask for the same two points in turn.
+        if id(point) not in self._points:
+            if len(self._points) >= REMEMBERED:
+                del self._points[next(iter(self._points))]
+            self._points[id(point)] = (point, self._point(point))
+        return self._points[id(point)][1]
+
+    def _point(self, point: Point) -> tuple[Array, Array]:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]

@@ -28,10 +28,12 @@ from equipoise.balancers.paths import (
     Angle,
     Cable,
     Cam,
+    ConstantEnergy,
     Drum,
     FourBar,
     Gear,
     InvertedSliderCrank,
+    Lift,
     Line,
     Path,
     Profile,
@@ -48,14 +50,18 @@ from equipoise.balancers.spring import Spring
 from equipoise.balancers.synthesis import Prescribed
 from equipoise.forms import Family, Form
 from equipoise.limits import (
+    Balanced,
     Convex,
     Curvature,
+    Elongation,
     ExactAt,
+    Extension,
     Force,
     Length,
     MassCap,
     Slack,
     Slope,
+    SpringIndex,
     Stiffness,
     Stroke,
     Tension,
@@ -74,6 +80,7 @@ from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.rrr3 import rrr3
 from equipoise.models.slider_crank import slider_crank
 from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
+from equipoise.parts import PARTS
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -120,7 +127,12 @@ PATHS: dict[str, Callable[..., Any]] = {
     "four_bar": FourBar,
     "reel": Reel,
 }
-PROFILES: dict[str, Callable[..., Any]] = {"table": Profile, "csv": Profile.csv, "pitch": Profile.pitch}
+PROFILES: dict[str, Callable[..., Any]] = {
+    "table": Profile,
+    "csv": Profile.csv,
+    "pitch": Profile.pitch,
+    "constant_energy": ConstantEnergy,
+}
 STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
 LAWS: dict[str, Callable[..., Any]] = {
@@ -134,6 +146,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "torsion": Torsion,
     "polynomial": Polynomial,
     "bspline": BSpline,
+    **PARTS,
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
@@ -146,12 +159,16 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 }
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
+    "elongation": Elongation,
+    "spring_index": SpringIndex,
+    "extension": Extension,
     "force": Force,
     "slack": Slack,
     "length": Length,
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "balanced": Balanced,
     "slope": Slope,
     "curvature": Curvature,
     "convex": Convex,
@@ -205,7 +222,7 @@ def family_of(hint: Any) -> Family | Form | None:
         (TURN, {"any": Turn, **TURNS}),
         (SHAFT, {"any": Shaft}),
         (PATH, {"any": Path, **PATHS}),
-        (PROFILE, PROFILES),
+        (PROFILE, {"any": Lift, **PROFILES}),
         (PULLEY, PULLEYS),
         (MASS, MASSES),
         (SHAPE, SHAPES),

@@ -1,16 +1,22 @@
 """What must hold: limits answer linear rows for the states of a sweep."""
 
+from equipoise.limits.balanced import Balanced
 from equipoise.limits.cable import Tension, Transmission, WindUp
 from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
+from equipoise.limits.elongation import Elongation, Extension
 from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
 from equipoise.limits.realisable import realisable
 from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
+from equipoise.limits.spring_index import SpringIndex
 
 __all__ = [
+    "Balanced",
     "Convex",
     "Curvature",
+    "Elongation",
     "ExactAt",
+    "Extension",
     "Force",
     "Length",
     "Limit",
@@ -19,6 +25,7 @@ __all__ = [
     "Setting",
     "Slack",
     "Slope",
+    "SpringIndex",
     "Stiffness",
     "Stroke",
     "Tension",

@@ -10,7 +10,7 @@ from typing import Any
 from equipoise.balancers.laws.law import FORCE
 from equipoise.design import Active, Design
 from equipoise.parameters import tag
-from equipoise.reporting.numbers import SHOWN, place, plain, quantity, seen, shown, sig, sort_out, span
+from equipoise.reporting.numbers import SHOWN, percent, place, plain, quantity, seen, shown, sig, sort_out, span
 from equipoise.units import along_path
 
 STEPS = {
@@ -97,8 +97,10 @@ def main_joint(design: Design) -> str:
 
 
 def law_words(part: Mapping[str, Any], balancer: Any) -> str:
-    """`zero free length, k = 1684 N/m`."""
+    """`zero free length, k = 1684 N/m`; a real part says how it is ordered."""
     law = tag(type(balancer.law))
+    if "order" in part:
+        return f"{law.replace('_', ' ')}: {part['order']}"
     # A rate whose force is below rounding beside the rest is the solver's way to say none.
     least = 1e-9 * max(abs(force) for force in part["force"]) / max(*map(abs, part["length"]), 1e-9)
     parameters = {key: 0.0 if key == "k" and abs(k) <= least else k for key, k in part["parameters"].items()}
@@ -148,6 +150,15 @@ def parameter_words(parameters: Mapping[str, float], units: Mapping[str, str]) -
     return words
 
 
+def used_words(part: Mapping[str, Any]) -> str:
+    """`used: body shear 61 % of allowed, ...; unsourced: ...` of a real part, or nothing."""
+    if "order" not in part:
+        return ""
+    used = [f"{name} {percent(clause['used'])} of allowed" for name, clause in part["clauses"].items()]
+    doubts = [f"unsourced, ask the maker: {', '.join(part['unsourced'])}"] if part["unsourced"] else []
+    return "; ".join([*([f"used: {', '.join(used)}"] if used else []), *doubts])
+
+
 def where_words(part: Mapping[str, Any]) -> str:
     """`shoulder_link (0, 220, 150) mm to upper_arm_link (0, 0, 200) mm`."""
     return "  to  ".join(f"{end['body']} {place(end)}" for end in part["ends"])
@@ -156,7 +167,13 @@ def where_words(part: Mapping[str, Any]) -> str:
 def work_words(part: Mapping[str, Any]) -> str:
     """Length, force and energy of a spring over the sweep."""
     mass = f", own mass {quantity(part['mass'], 'kg', 3)}" if part.get("mass") else ""
-    return ", ".join(f"{name} {value}" for name, value in facts(part)) + mass + pushing(part)
+    return ", ".join(f"{name} {value}" for name, value in facts(part)) + room_words(part) + mass + pushing(part)
+
+
+def room_words(part: Mapping[str, Any]) -> str:
+    """`, room 130 x 0 x 260 mm`: the box that spring and rods sweep, along the world's axes."""
+    sides = [high - low for low, high in zip(*part["room"], strict=True)]
+    return f", room {' x '.join(plain(round(1e3 * side, 1), 3) for side in sides)} mm" if max(sides) > 1e-6 else ""
 
 
 def facts(part: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -292,7 +309,9 @@ def certificate_words(design: Design) -> str:
         words = f"exact: {sig(value, 2)} {unit} left, also at poses outside the sweep"
     else:
         words = f"convex, gap {sig(shown(c.gap, c.unit)[0], 2)} {unit}{share}"
-    if design.geometry:
+    if design.geometry and c.kind == "exact":
+        words += f"; geometry found from {c.starts} start{'s' * (c.starts != 1)}, none does better"
+    elif design.geometry:
         optima = "1 optimum" if c.optima == 1 else f"{c.optima} different optima"
         apart = f", values up to {sig(shown(c.spread, c.unit)[0], 3)} {unit} apart" if c.optima > 1 else ""
         words += f"; geometry: local, {c.starts} start{'s' * (c.starts != 1)}, {optima}{apart}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,7 @@ from equipoise.sweep import Sweep
 
 if TYPE_CHECKING:
     from equipoise.cables.survey import Survey
+    from equipoise.machinery import Machine
 
 WORTH_SHARE = 0.1
 WORTH_MOTOR = 0.02
@@ -27,16 +29,30 @@ NOTHING = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """Holding effort of the bare mechanism per driven joint, which are worth a spring and why, the mass audit.
-
-    cables says, of a platform that cables hold, where and how well they do.
-    """
+    """Holding effort of the bare mechanism per driven joint, which are worth a spring and why, the mass audit."""
 
     mechanism: Mechanism
     sweep: Sweep
     rows: dict[str, Row]
     reasons: dict[str, str]
-    cables: Survey | None = None
+    states: States
+
+    @cached_property
+    def machine(self) -> Machine | None:
+        """Motors and bearings over a motion; None for poses at rest."""
+        from equipoise.machinery import machine
+
+        return machine(self.mechanism, self.sweep, self.states)
+
+    @cached_property
+    def cables(self) -> Survey | None:
+        """Where cables hold a platform and how well, at up to 400 poses; None for anything else."""
+        platform = self.mechanism.platform
+        if platform is None or not platform.cables:
+            return None
+        from equipoise.cables.survey import looked_at, survey
+
+        return survey(self.mechanism.states(self.sweep.at_poses(looked_at(self.sweep))))
 
     @property
     def worth(self) -> tuple[str, ...]:
@@ -54,6 +70,7 @@ class Analysis:
             },
             "audit": list(self.mechanism.remarks),
             "cables": None if self.cables is None else self.cables.json(),
+            **({"machine": self.machine.json()} if self.machine else {}),
         }
 
     def __str__(self) -> str:
@@ -77,17 +94,7 @@ def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
     loads = {joint: rows[joint] for joint in mechanism.driven}
     if states.rates is not None:
         loads = table(mechanism, sweep, states, lambda other: (mechanism.driven_blocks, other.holding))
-    return Analysis(
-        mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads}, _cables(mechanism, sweep)
-    )
-
-
-def _cables(mechanism: Mechanism, sweep: Sweep) -> Survey | None:
-    if mechanism.platform is None or not mechanism.platform.cables:
-        return None
-    from equipoise.cables.survey import looked_at, survey
-
-    return survey(mechanism.states(sweep.at_poses(looked_at(sweep))))
+    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads}, states)
 
 
 def _reason(joint: str, rows: dict[str, Row]) -> str:

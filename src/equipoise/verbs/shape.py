@@ -33,7 +33,7 @@ from equipoise.solve.shape import (
     sown,
     spread_out,
 )
-from equipoise.solve.sharpen import sharpen
+from equipoise.solve.sharpen import sharpen, vanish
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
@@ -43,6 +43,8 @@ COARSE = 400
 PER_START = 24
 REFINED = 4
 SOUNDED = 16
+NOTHING = 1e-8
+"""Share of the load below which a start has found an exact balance, which no other can better."""
 SLACK = 2e-7
 """Share of the objective that may be given for less stored energy."""
 
@@ -120,6 +122,8 @@ def shape(
     best = sharpen(search.builder(states), freedoms, optima.best)
     search, best, balanced = _refine(search, best, load)
     best, balanced = _spare(search, best, balanced, load)
+    if (exact := vanish(search.builder(balanced.states), freedoms, best)) is not best:
+        best, balanced = exact, settle(search.at(exact.gamma))
     balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
 
@@ -162,7 +166,9 @@ def load_of(task: Task, states: States) -> float:
 def _called_up(search: _Search, states: States, seed: int) -> float:
     """What the limits call up by themselves: the median over geometries in the bounds; zero where they do not."""
     build = search.builder(states.take(slice(None, None, 1 + len(states) // COARSE)))
-    found = [build(gamma[None]).take(0).called_up for gamma in sown(search.freedoms, SOUNDED, seed)]
+    gammas = sown(search.freedoms, SOUNDED, seed)
+    sounded = build(gammas)
+    found = [sounded.take(index).called_up for index in range(len(gammas))]
     return float(np.median([value for value in found if value > 0] or [0.0]))
 
 
@@ -179,7 +185,7 @@ def _descend_all(
     task = search.task
     few = task.mechanism.states(_thinned(task.sweep, states)) if len(task.sweep.poses) > COARSE else states
     coarse, fine = search.builder(few), search.builder(states)
-    ranked, _ = screen(coarse, search.freedoms, PER_START * starts, seed, 10 * load, judge)
+    ranked, _ = screen(coarse, len(few), search.freedoms, PER_START * starts, seed, 10 * load, judge)
     begin = spread_out(ranked, search.freedoms, starts)
     present = _present(search)
     if present is not None:
@@ -190,7 +196,7 @@ def _descend_all(
             found.append(descend(coarse, search.freedoms, gamma, load, precision=1e-7 if few is not states else 1e-9))
             if progress:
                 progress(done, len(begin), min(local.merit for local in found))
-            if _settled(found):
+            if _settled(found, load):
                 break
     except KeyboardInterrupt:
         if not found:
@@ -204,12 +210,14 @@ def _descend_all(
     return Optima(tuple(found), seed)
 
 
-def _settled(found: list[Local]) -> bool:
-    """Whether the starts so far make it unlikely that an optimum is still unseen.
+def _settled(found: list[Local], load: float) -> bool:
+    """Whether one start leaves nothing of the load, or all so far make it unlikely that an optimum is still unseen.
 
     n starts that ended in w optima let expect w (n - 1) / (n - w - 2) of them in all (Boender and Rinnooy Kan,
     unsourced); the search ends when that is less than half an optimum more than were seen.
     """
+    if min(local.merit for local in found) <= NOTHING * load:
+        return True
     n, w = len(found), distinct(found)
     return n > w + 2 and w * (n - 1) / (n - w - 2) < w + 0.5
 

@@ -11,7 +11,7 @@ from equipoise.balancers.paths.inverted_slider_crank import InvertedSliderCrank
 from equipoise.balancers.paths.line import Line
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Path, Place, Sketch
-from equipoise.balancers.paths.profile import Profile
+from equipoise.balancers.paths.profile import ConstantEnergy, Lift, Profile
 from equipoise.balancers.paths.pulley import Pulley
 from equipoise.balancers.paths.reel import Reel
 from equipoise.balancers.paths.scotch_yoke import ScotchYoke
@@ -25,10 +25,12 @@ __all__ = [
     "Angle",
     "Cable",
     "Cam",
+    "ConstantEnergy",
     "Drum",
     "FourBar",
     "Gear",
     "InvertedSliderCrank",
+    "Lift",
     "Line",
     "Mount",
     "Need",

@@ -13,7 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Place, Sketch
-from equipoise.balancers.paths.profile import Profile
+from equipoise.balancers.paths.profile import Lift
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.states import States
 from equipoise.units import Angle, Length, Mass, Number
@@ -32,7 +32,7 @@ class Cam(Driven):
     """
 
     input: Shaft
-    profile: Profile
+    profile: Lift
     phase: Angle = 0.0
     offset: Length = 0.0
     scale: Number = 1.0
@@ -114,9 +114,7 @@ class Cam(Driven):
         """The pitch curve of the in-line follower, and the spring beyond it."""
         u = float(self.crank_angle(states)[0][row])
         at = self.at(states.mechanism.model)
-        turns = u + np.linspace(0.0, 2 * np.pi, OUTLINE)
-        if self.profile.kind != "periodic":
-            turns = np.linspace(self.profile.angles[0], self.profile.angles[-1], OUTLINE)
+        turns = np.linspace(*(self.profile.turn or (u, u + 2 * np.pi)), OUTLINE)
         radius = self.curve(turns)[0]
         places = [(r * np.cos(u - t), r * np.sin(u - t)) for r, t in zip(radius, turns, strict=True)]
         length = float(self.curve(u)[0])

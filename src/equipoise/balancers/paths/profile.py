@@ -1,10 +1,11 @@
-"""Cam profiles: a lift by angle, as a smooth spline."""
+"""Cam profiles: a lift by angle, as a smooth spline or in closed form."""
 
 from __future__ import annotations
 
 import csv
 import functools
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from pathlib import Path as File
 from typing import Any, Literal
@@ -13,14 +14,69 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import InputError
-from equipoise.units import Angle, Length
+from equipoise.units import Angle, Length, Number
 
 FULL = 2.0 * math.pi
 CLOSED = 1e-9
 
 
+class Lift(ABC):
+    """What a cam's profile answers: lift and slope by angle, as pieces of cubics that a simulator can follow."""
+
+    @property
+    def turn(self) -> tuple[float, float] | None:
+        """The angles between which it runs, rad; None for one that goes round and round."""
+        return None
+
+    @abstractmethod
+    def __call__(self, u: Any) -> tuple[Any, Any]:
+        """Lift and its derivative, m and m/rad, at angles u of any shape, real or complex."""
+
+    @abstractmethod
+    def pieces(self, u: Any) -> tuple[Array, Array]:
+        """Where a cubic that is right at each angle u starts, rad, and its coefficients (4, ...), highest first."""
+
+    def room(self, u: Any) -> Any:
+        """How far, rad, angles u are inside the profile."""
+        return np.full_like(u, np.inf)
+
+
 @dataclass(frozen=True)
-class Profile:
+class ConstantEnergy(Lift):
+    """The cam on which an ordinary spring keeps a weight's energy constant, in closed form.
+
+        lift = base sqrt(1 - share cos u),   k lift^2 / 2 = k base^2 / 2 - (k base^2 share / 2) cos u
+
+    A spring of rate k that is free at lift 0 balances a weight of V = W cos u exactly where k base^2 share = 2 W. base
+    is the lift at u = 90 deg, m; share, between 0 and 1, is how much of the spring's energy comes and goes: little
+    makes a round cam and a strong spring that never lets go, 1 would be a pointed cam and the least spring. Raises
+    InputError for a share outside.
+    """
+
+    base: Length
+    share: Number = 0.9
+
+    def __post_init__(self) -> None:
+        if isinstance(self.share, int | float) and not 0 < self.share < 1:
+            raise InputError(
+                f"the share of energy that comes and goes is {self.share:g}, it lies between 0 and 1",
+                where="cam profile",
+                hint="0.9 is a cam that can be made; at 1 it has a point",
+            )
+
+    def __call__(self, u: Any) -> tuple[Any, Any]:
+        """Lift and its derivative."""
+        lift = self.base * np.sqrt(1.0 - self.share * np.cos(u))
+        return lift, 0.5 * self.base**2 * self.share * np.sin(u) / lift
+
+    def pieces(self, u: Any) -> tuple[Array, Array]:
+        """The tangent at each angle."""
+        lift, slope = self(u)
+        return u, np.stack([0.0 * lift, 0.0 * lift, slope, lift])
+
+
+@dataclass(frozen=True)
+class Profile(Lift):
     """A cam's lift by angle: a cubic spline through (angles, lifts) with two continuous derivatives.
 
     angles rise, rad; lifts in m. `periodic`: the angles span one turn, the last lift repeats the first, and the
@@ -125,6 +181,11 @@ class Profile:
             self._insist(inside)
         piece = np.clip(np.searchsorted(knots, inside, side="right") - 1, 0, len(knots) - 2)
         return knots[piece] + turns, table[:, piece]
+
+    @property
+    def turn(self) -> tuple[float, float] | None:
+        """The angles between which it runs, rad; None where it is periodic."""
+        return None if self.kind == "periodic" else (self.angles[0], self.angles[-1])
 
     def room(self, u: Any) -> Any:
         """How far, rad, angles u are inside the profile, which a periodic one always is."""
