@@ -114,6 +114,11 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "balance": "verbs.balance",
+    "adjust": "verbs.adjust",
+    "Adjusted": "verbs.adjust",
+    "Adjuster": "cases",
+    "Case": "cases",
+    "by_payload": "cases",
     "shape": "verbs.shape",
     "verify": "verbs.verify",
     "report": "verbs.report",
@@ -133,6 +138,8 @@ _HOME = {
 
 __all__ = [
     "Absolute",
+    "Adjusted",
+    "Adjuster",
     "Adjustment",
     "Affine",
     "Aim",
@@ -142,6 +149,7 @@ __all__ = [
     "Cable",
     "Cam",
     "CamWithSpring",
+    "Case",
     "Claim",
     "Coil",
     "Constant",
@@ -214,10 +222,12 @@ __all__ = [
     "WireMass",
     "ZeroFreeLength",
     "__version__",
+    "adjust",
     "analyze",
     "arm_cam",
     "arm_curve",
     "balance",
+    "by_payload",
     "cable_platform",
     "caspr",
     "chain",
@@ -319,6 +329,7 @@ if TYPE_CHECKING:
         stiffness,
         wrench_matrix,
     )
+    from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (
@@ -372,6 +383,7 @@ if TYPE_CHECKING:
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
     from equipoise.variation import exact_mean
+    from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.geometry_map import geometry_map

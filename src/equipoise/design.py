@@ -15,6 +15,7 @@ from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
 from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
+from equipoise.cases import Settings
 from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
@@ -94,7 +95,8 @@ class Design:
 
     values {name: SI value} and units {name: unit} of the unknowns; geometry {parameter: value} that shape
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
-    whose poses were found between the samples; problem is the file it came from, where there was one.
+    whose poses were found between the samples; problem is the file it came from, where there was one; settings say
+    what is adjusted from case to case, where a design serves several.
     """
 
     mechanism: Mechanism
@@ -114,6 +116,7 @@ class Design:
     refined: int = 0
     verification: Verification | None = None
     problem: Mapping[str, Any] | None = None
+    settings: Settings | None = None
 
     @property
     def norm(self) -> str:
@@ -218,6 +221,7 @@ class Design:
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
+            "settings": self.settings.json() if self.settings else None,
             "cite": self.cite(),
         }
 

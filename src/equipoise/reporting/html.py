@@ -14,6 +14,7 @@ from equipoise.reporting import phrases, sections, tables
 from equipoise.reporting.markup import Raw, element, image, join, section
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, pictures
+from equipoise.reporting.settings import settings_table
 
 
 def page(design: Design, model: str) -> str:
@@ -27,7 +28,7 @@ def page(design: Design, model: str) -> str:
             tables.before_after(design),
             *[_picture(one) for one in drawn[1:]],
             tables.parts(design),
-            adjustments(design),
+            settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),
             sections.basis(design),
