@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,11 +21,13 @@ from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim, pole_of
+from equipoise.parts import Part
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.swept import swept_box
 
 if TYPE_CHECKING:
+    from equipoise.machinery import Machine
     from equipoise.verification.findings import Verification
 
 
@@ -179,6 +182,15 @@ class Design:
         rows = order  # scenarios follow one another; the law is that of the first
         return wheel.law(instants.time[rows], moment[rows], momentum[rows])
 
+    @cached_property
+    def machine(self) -> tuple[Machine, Machine] | None:
+        """Motors and bearings over the motion, before and after; None for poses at rest."""
+        from equipoise.machinery import machine
+
+        before = machine(self.mechanism, self.sweep, self.states)
+        after = machine(self.mechanism, self.sweep, self.states, self.balancers, self.values)
+        return (before, after) if before and after else None
+
     @property
     def missed(self) -> str:
         """Why `objective.target` is missed, or nothing."""
@@ -203,6 +215,9 @@ class Design:
             "norm": self.norm,
             "before": {name: row.json() for name, row in self.before.items()},
             "after": {name: row.json() for name, row in self.after.items()},
+            "machine": dict(zip(("before", "after"), (one.json() for one in self.machine), strict=True))
+            if self.machine
+            else None,
             "certificate": {
                 "kind": certificate.kind,
                 "primal": certificate.primal,
@@ -279,6 +294,7 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
         "force": [float(force.min()), float(force.max())],
         "energy": [float(energy.min()), float(energy.max())],
         "mass": float(spring.own_mass),
+        **(spring.law.record(length) if isinstance(spring.law, Part) else {}),
     }
 
 

@@ -20,6 +20,7 @@ from equipoise.motion.drivers import Driver
 from equipoise.motion.motion import of_drivers, read_motion
 from equipoise.motion.moves import Free, Moves, Timed, take
 from equipoise.posefile import held, read_columns
+from equipoise.seeding import generator
 from equipoise.units import Joint, Length, Mass, Number, Time, to_si
 
 MAX_POSES = 5_000_000
@@ -77,12 +78,7 @@ class Sweep:
             object.__setattr__(self, "scenarios", np.zeros((1, 0)))
         if len(self.poses) == 0:
             raise InputError("the sweep has no poses", where="sweep", hint="give at least one pose")
-        if len(self.poses) * len(self.scenarios) > MAX_POSES:
-            raise InputError(
-                f"the sweep has {len(self.poses) * len(self.scenarios)} rows, the limit is {MAX_POSES}",
-                where="sweep",
-                hint="use fewer points per joint, or sobol",
-            )
+        _few_enough(len(self.poses) * len(self.scenarios))
 
     @staticmethod
     def sobol(
@@ -98,8 +94,9 @@ class Sweep:
 
         if n < 1:
             raise InputError(f"a Sobol sweep needs at least one pose, got {n}", where="sweep.sobol")
+        _few_enough(n * max(1, len(payload)))
         box = _box(mechanism, ranges or {})
-        sampler = qmc.Sobol(len(mechanism.driven), scramble=True, rng=np.random.default_rng(seed))
+        sampler = qmc.Sobol(len(mechanism.driven), scramble=True, rng=generator(seed))
         unit = sampler.random_base2(max(0, math.ceil(math.log2(n))))[:n]
         poses = box[:, 0] + unit * (box[:, 1] - box[:, 0])
         label = f"{n} poses (Sobol, seed {seed})"
@@ -311,7 +308,8 @@ class Sweep:
 
         if n < 1:
             raise InputError(f"{n} states are no sample", where="sweep.any_motion")
-        box, rng = _box(mechanism, ranges or {}), np.random.default_rng(seed)
+        _few_enough(n * max(1, len(payload)))
+        box, rng = _box(mechanism, ranges or {}), generator(seed)
         centre, kept = held(mechanism), np.zeros((0, len(box)))
         for shrink in (1.0, 1.0, 0.3, 0.1, 0.03):
             near = centre + shrink * (box - centre[:, None]).T
@@ -403,6 +401,15 @@ def _driven_index(mechanism: Mechanism, joint: str, where: str) -> int:
             hint="driven joints: " + ", ".join(mechanism.driven),
         )
     return mechanism.driven.index(joint)
+
+
+def _few_enough(rows: int) -> None:
+    if rows > MAX_POSES:
+        raise InputError(
+            f"the sweep has {rows} rows, the limit is {MAX_POSES}",
+            where="sweep",
+            hint="use fewer poses, points per joint or payloads",
+        )
 
 
 def _count(points: int) -> int:

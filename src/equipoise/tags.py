@@ -12,6 +12,7 @@ from equipoise.balancers.laws import (
     BSpline,
     Coil,
     Constant,
+    ConstantPressure,
     Gas,
     HydroPneumatic,
     Law,
@@ -52,7 +53,9 @@ from equipoise.forms import Family, Form
 from equipoise.limits import (
     Convex,
     Curvature,
+    Elongation,
     ExactAt,
+    Extension,
     Force,
     Length,
     MassCap,
@@ -76,6 +79,7 @@ from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.rrr3 import rrr3
 from equipoise.models.slider_crank import slider_crank
 from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
+from equipoise.parts import PARTS
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -135,12 +139,14 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "constant_pressure": ConstantPressure,
     "gas": Gas,
     "gas_cylinder": gas_cylinder,
     "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
     "bspline": BSpline,
+    **PARTS,
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
@@ -153,6 +159,8 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 }
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
+    "elongation": Elongation,
+    "extension": Extension,
     "force": Force,
     "slack": Slack,
     "length": Length,

@@ -2,6 +2,7 @@
 
 from equipoise.limits.cable import Tension, Transmission, WindUp
 from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
+from equipoise.limits.elongation import Elongation, Extension
 from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
 from equipoise.limits.realisable import realisable
@@ -10,7 +11,9 @@ from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, St
 __all__ = [
     "Convex",
     "Curvature",
+    "Elongation",
     "ExactAt",
+    "Extension",
     "Force",
     "Length",
     "Limit",

@@ -10,7 +10,7 @@ from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
-from equipoise.reporting import phrases, sections, tables
+from equipoise.reporting import machinery, phrases, sections, tables
 from equipoise.reporting.markup import Raw, element, image, join, section
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, pictures
@@ -27,6 +27,7 @@ def page(design: Design, model: str) -> str:
             *[_picture(one) for one in drawn[:1]],
             tables.before_after(design),
             *[_picture(one) for one in drawn[1:]],
+            *([machinery.motors(design.machine)] if design.machine else []),
             tables.parts(design),
             settings_table(design) or adjustments(design),
             sections.certificate(design),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from equipoise.balancers.paths import Line
 from equipoise.design import Design, Row
-from equipoise.reporting import phrases
+from equipoise.reporting import machinery, phrases
 from equipoise.reporting.numbers import percent, plain, sig, sort_out
 from equipoise.reporting.pathwords import path_words
 
@@ -28,6 +28,9 @@ def summary(design: Design) -> str:
     lines += _wrap(left_out, "  ") if left_out else []
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
         lines += _part(part, balancer, design)
+    if design.machine is not None:
+        for label, words in (*machinery.motor_words(design.machine), *machinery.bearing_words(design.machine)):
+            lines += _labelled(label, words)
     for words in phrases.limited_by(design):
         lines += _labelled("limited by", words)
     if design.missed:
@@ -54,7 +57,11 @@ def analysis(analysis: Analysis) -> str:
         head = [*NORMS, "motor limit", "used", ""]
         names = [f"{joint} [{analysis.rows[joint].unit}]" for joint in loaded]
         body = [_analysis_cells(analysis.rows[joint], joint in analysis.worth) for joint in loaded]
-        lines += _table(names, {0: "to hold the weight"}, head, body)
+        lines += _table(names, {0: "to hold the weight" if analysis.machine is None else "over the motion"}, head, body)
+    if analysis.machine is not None:
+        found = [analysis.machine]
+        for label, words in (*machinery.motor_words(found), *machinery.bearing_words(found)):
+            lines += _labelled(label, words)
     for joint, reason in analysis.reasons.items():
         if reason:
             lines += _labelled("no spring", f"{joint}: {reason}")
@@ -129,6 +136,7 @@ def _part(part: Mapping[str, Any], balancer: object, design: Design) -> list[str
             *_labelled(name, phrases.law_words(part, balancer)),
             *_labelled("", _led(part, balancer)),
             *_labelled("", phrases.work_words(part)),
+            *(_labelled("", words) if (words := phrases.used_words(part)) else []),
             *(_labelled("", words) if (words := phrases.stored_words(part)) else []),
         ]
     word = {"counterweight": "weight", "counter_rotor": "rotor", "flywheel": "flywheel"}[part["kind"]]

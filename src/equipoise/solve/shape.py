@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from equipoise.affine import Array, Geometry, Unknown
+from equipoise.seeding import generator
 from equipoise.solve.answer import Working
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Program, norm_value
@@ -94,7 +95,7 @@ def sown(freedoms: Sequence[Freedom], count: int, seed: int) -> Array:
     from scipy.stats import qmc
 
     low, high = _bounds(freedoms)
-    unit = qmc.Sobol(len(freedoms), rng=np.random.default_rng(seed)).random_base2(max(3, int(np.ceil(np.log2(count)))))
+    unit = qmc.Sobol(len(freedoms), rng=generator(seed)).random_base2(max(3, int(np.ceil(np.log2(count)))))
     return low + unit * (high - low)
 
 

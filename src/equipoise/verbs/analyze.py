@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +17,9 @@ from equipoise.peaks import polish
 from equipoise.states import States
 from equipoise.steepness import Account, steepness
 from equipoise.sweep import Sweep
+
+if TYPE_CHECKING:
+    from equipoise.machinery import Machine
 
 WORTH_SHARE = 0.1
 WORTH_MOTOR = 0.02
@@ -28,6 +33,14 @@ class Analysis:
     sweep: Sweep
     rows: dict[str, Row]
     reasons: dict[str, str]
+    states: States
+
+    @cached_property
+    def machine(self) -> Machine | None:
+        """Motors and bearings over a motion; None for poses at rest."""
+        from equipoise.machinery import machine
+
+        return machine(self.mechanism, self.sweep, self.states)
 
     @property
     def worth(self) -> tuple[str, ...]:
@@ -44,6 +57,7 @@ class Analysis:
                 for joint, row in self.rows.items()
             },
             "audit": list(self.mechanism.remarks),
+            **({"machine": self.machine.json()} if self.machine else {}),
         }
 
     def __str__(self) -> str:
@@ -66,7 +80,7 @@ def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
     loads = {joint: rows[joint] for joint in mechanism.driven}
     if states.rates is not None:
         loads = table(mechanism, sweep, states, lambda other: (mechanism.driven_blocks, other.holding))
-    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads})
+    return Analysis(mechanism, sweep, rows, {joint: _reason(joint, loads) for joint in loads}, states)
 
 
 def _reason(joint: str, rows: dict[str, Row]) -> str:

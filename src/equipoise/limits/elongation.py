@@ -1,0 +1,85 @@
+"""Limits on how far a coil spring is stretched beyond its free length."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from equipoise import units
+from equipoise.affine import Array
+from equipoise.balancers.laws import Coil
+from equipoise.balancers.spring import Spring
+from equipoise.errors import InputError
+from equipoise.limits.limit import Setting
+from equipoise.solve.program import Rows
+
+
+@dataclass(frozen=True)
+class Elongation:
+    """min <= (l - L0) / L0 <= max of a coil's elongation at every state, shares of its free length L0.
+
+        k l - (1 + max) k L0 <= 0,   (1 + min) k L0 - k l <= 0
+
+    affine also where rate k and free length are found. Raises InputError for a spring that is no coil.
+    """
+
+    spring: str
+    max: units.Number | None = None
+    min: units.Number | None = None
+
+    def rows(self, setting: Setting) -> tuple[Rows, ...]:
+        """One row per side and state."""
+        spring = _coil(setting, self.spring, "elongation")
+        found = []
+        for bound, sign, word in ((self.max, 1.0, "<="), (self.min, -1.0, ">=")):
+            if bound is not None:
+                words = f"elongation of {self.spring} {word} {100 * bound:.4g} %"
+                found.append(_rows(setting, spring, words, sign, 1.0 + bound, 0.0))
+        if not found:
+            raise InputError("elongation has neither min nor max", where="limits", hint="give min, max or both")
+        return tuple(found)
+
+
+@dataclass(frozen=True)
+class Extension:
+    """l - L0 <= max of a coil's extension at every state, m: k (l - max) - k L0 <= 0. What its room decides.
+
+    Raises InputError for a spring that is no coil, and a limit that is not positive.
+    """
+
+    spring: str
+    max: units.Length
+
+    def rows(self, setting: Setting) -> tuple[Rows, ...]:
+        """One row per state."""
+        spring = _coil(setting, self.spring, "extension")
+        if not self.max > 0:
+            raise InputError(f"the extension limit is {self.max:g} m, it must be positive", where="limits")
+        words = f"extension of {self.spring} <= {units.text(self.max, 'm')}"
+        return (_rows(setting, spring, words, 1.0, 1.0, self.max),)
+
+
+def _coil(setting: Setting, name: str, limit: str) -> Spring:
+    spring = setting.find(name, Spring, limit)
+    if not isinstance(spring.law, Coil):
+        raise InputError(f"spring {name} is no coil, so it has no free length", where=f"limit {limit}")
+    return spring
+
+
+def _rows(setting: Setting, spring: Spring, words: str, sign: float, factor: float, room: float) -> Rows:
+    """sign (k (l - room) - factor k L0) <= 0, or without k where the free length is known."""
+    length: Array = spring.path.deform(setting.states)[0] - room
+    law, state = spring.law, np.arange(length.shape[-1])
+    free: Any = getattr(law, "free_length")  # noqa: B009 - a coil's
+    if free is not None:
+        none = np.zeros((*length.shape, 0), dtype=np.result_type(length, free))
+        return Rows(words, "m", none, sign * (factor * free - length), (), state, scale=0.1)
+    unknowns = {u.name.removeprefix(f"{spring.owner}."): u for u in spring.unknowns}
+    product = -sign * factor * np.ones_like(length)
+    rate: Any = getattr(law, "k")  # noqa: B009
+    if rate is None:
+        G = np.stack([sign * length, product], axis=-1)
+        return Rows(words, "N", G, np.zeros(length.shape), (unknowns["k"], unknowns["k_free_length"]), state)
+    return Rows(words, "N", product[..., None], -sign * rate * length, (unknowns["k_free_length"],), state)
