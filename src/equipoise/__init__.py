@@ -179,6 +179,7 @@ __all__ = [
     "ConstantEnergy",
     "ConstantForceCam",
     "ConstantForceSpring",
+    "ConstantPressure",
     "Convex",
     "CounterRotor",
     "Counterweight",

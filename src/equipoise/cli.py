@@ -284,14 +284,13 @@ def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Pa
 
     designs = list(found.designs)
     with staging(out) as stage:
-        for index, design in enumerate(designs):
-            folder = None if stage is None else Path(f"case_{index + 1}")
-            design = _told(design, problem, out if out is None or folder is None else out / folder)
-            if full and stage is not None and folder is not None:
+        for index, design in enumerate(found.designs):
+            folder = f"case_{index + 1}"
+            designs[index] = _told(design, problem, None if out is None else out / folder)
+            if full and stage is not None:
                 (stage / folder).mkdir()
-                design = run(design, out=stage / folder)
-                (stage / folder / "design.json").write_text(dumps(design.json()), encoding="utf-8")
-            designs[index] = design
+                designs[index] = run(designs[index], out=stage / folder)
+                _write(designs[index], stage / folder)
         found = replace(found, designs=tuple(designs))
         if stage is not None:
             if full:

@@ -17,8 +17,8 @@ from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.places import REMEDY, problem_error, where
 from equipoise.sweep import Sweep
-from equipoise.tilt import Tilt
 from equipoise.tags import BALANCER, LIMIT, MAKE, MECHANISM, START, SWEEP
+from equipoise.tilt import Tilt
 from equipoise.units import Measured, to_si
 from equipoise.yamlfile import Document, read_yaml
 
@@ -39,8 +39,8 @@ class ProblemFile:
     poses over the joint limits); start {spring: {prescribed: ...}} derives a spring's geometry, from which shape then
     starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; adjust {parameter: [low, high]} is
     set anew for every payload or case, null leaves an unknown its natural bounds; cases list mechanisms that one
-    design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is how the base leans; make lists cams and drums that
-    `equipoise make` cuts.
+    design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is how the base leans; make
+    lists cams and drums that `equipoise make` cuts.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """

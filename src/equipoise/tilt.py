@@ -30,7 +30,9 @@ class Tilt:
 
     def __post_init__(self) -> None:
         if not 0 < self.angle <= math.pi / 2:
-            raise InputError(f"the tilt is {math.degrees(self.angle):g} deg, it lies between 0 and 90 deg", where="tilt")
+            raise InputError(
+                f"the tilt is {math.degrees(self.angle):g} deg, it lies between 0 and 90 deg", where="tilt"
+            )
         if self.directions < 3:
             raise InputError(f"{self.directions} directions span no cone", where="tilt", hint="3 or more, or an `axis`")
 
@@ -55,13 +57,16 @@ class Tilt:
         words = f"{math.degrees(self.angle):g} deg"
         if self.axis is None:
             turns = {
-                f"tilt {words} about {math.degrees(a):.3g} deg": math.cos(a) * first + math.sin(a) * np.cross(down, first)
+                f"tilt {words} about {math.degrees(a):.3g} deg": math.cos(a) * first
+                + math.sin(a) * np.cross(down, first)
                 for a in 2 * math.pi * np.arange(self.directions) / self.directions
             }
         else:
             axis = np.array(self.axis, dtype=float)
             if not np.linalg.norm(np.cross(axis, down)) > 1e-9:
-                raise InputError("the axis of the tilt lies along gravity", where="tilt", hint="lean about a level axis")
+                raise InputError(
+                    "the axis of the tilt lies along gravity", where="tilt", hint="lean about a level axis"
+                )
             axis /= np.linalg.norm(axis)
             turns = {f"tilt {words}": axis, f"tilt -{words}": -axis}
         return {label: _turned(gravity, axis, self.angle) for label, axis in turns.items()}

@@ -44,7 +44,11 @@ def _whole_work(adjuster: Adjuster) -> str:
 
 
 def _span(low: float, high: float) -> str:
-    return f"{sig(low, 3)} J" if abs(high - low) <= 1e-9 * max(abs(low), abs(high)) else f"{sig(low, 3)} to {sig(high, 3)} J"
+    return (
+        f"{sig(low, 3)} J"
+        if abs(high - low) <= 1e-9 * max(abs(low), abs(high))
+        else f"{sig(low, 3)} to {sig(high, 3)} J"
+    )
 
 
 def _cells(settings: Settings) -> list[list[str]]:
@@ -68,4 +72,6 @@ def settings_table(design: Design) -> Raw | str:
         return ""
     head, *rows = _cells(design.settings)
     lead = f"This page shows the design in the case {design.settings.label}."
-    return section("Settings from case to case", table(head, rows, numbers=1), element("p", NOTE, class_="note"), lead=lead)
+    return section(
+        "Settings from case to case", table(head, rows, numbers=1), element("p", NOTE, class_="note"), lead=lead
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -106,6 +107,7 @@ class _Family:
             found.append(replace(task, balancers=write(task.balancers, values)))
         return tuple(found)
 
+    @cached_property
     def states(self) -> list[States]:
         """The states of every case's sweep."""
         return [task.mechanism.states(task.sweep) for task in self.tasks]
@@ -128,14 +130,14 @@ def adjust(
 
         min over shared and own values of N over all cases' residuals r_s = b_s + A_s(gamma, gamma_s) (theta, theta_s)
 
-    cases are payloads (`by_payload`), patients, tilts: a mechanism and a sweep each, which weigh equally. adjusters maps
+    cases are payloads (`by_payload`), patients, tilts: a mechanism and a sweep each, all of one weight. adjusters maps
     names of unknowns (`s1.k`) or of geometry (`s1.path.line.0.z`) to bounds (low, high), SI; None leaves an unknown
     its natural ones. free is shared geometry, as in `shape`. Without adjusters one and the same design serves all cases
     and the worst counts. Among equals the least stored energy is taken. Raises InputError for an adjuster that is no
     parameter, that is shared geometry too, or that nothing depends on, and for adjusters with a single case.
     """
     family = _family(cases, balancers, adjusters, free or {}, norm, objective, limits)
-    states = family.states()
+    states = family.states
     load = max(load_of(task, own) for task, own in zip(family.tasks, states, strict=True))
     if not load > 0:
         raise InputError("nothing loads what counts", where="objective", hint="check gravity, joints and payloads")
@@ -145,7 +147,7 @@ def adjust(
         raise EquipoiseError("the limits cannot be kept in all cases", where="adjust", hint="widen the bounds")
     family, best = _refined(family, optima.best, load)
     best = _spared(family, best, load)
-    best = vanish(family.builder(family.states()), family.freedoms, best)
+    best = vanish(family.builder(family.states), family.freedoms, best)
     return _finished(family, replace(optima, found=(best, *optima.found[1:])))
 
 
@@ -206,7 +208,7 @@ def _insist_on_effect(family: _Family, states: Sequence[States], load: float) ->
     count = 4 if family.freedoms else 1
     places = sown(family.freedoms, count, 1)[:count] if family.freedoms else np.zeros((1, 0))
     few = [own.take(slice(None, None, 1 + len(own) // 50)) for own in states]
-    moved = {name: 0.0 for name in (*family.unknowns, *(f.name for f in family.adjusted))}
+    moved = dict.fromkeys((*family.unknowns, *(f.name for f in family.adjusted)), 0.0)
     for gamma in places:
         program = family.builder(few)(gamma[None]).take(0)
         theta = np.where(program.lower > 0, program.lower, program.scale)
@@ -245,15 +247,23 @@ def _searched(
     inside = all(v is not None and f.lower <= v <= f.upper for v, f in zip(present, family.freedoms, strict=True))
     begin = np.array([present], dtype=float) if inside else None
     return descend_all(
-        family.builder(few), fine, family.freedoms, begin, load, by_least_squares, starts, seed, progress
+        family.builder(few),
+        fine,
+        family.freedoms,
+        begin,
+        load,
+        judge=by_least_squares,
+        starts=starts,
+        seed=seed,
+        progress=progress,
     )
 
 
 def _resolved(family: _Family, best: Local, load: float) -> Local:
     if not family.freedoms:
-        solution = solve(family.builder(family.states())(np.zeros((1, 0))))
+        solution = solve(family.builder(family.states)(np.zeros((1, 0))))
         return replace(best, merit=solution.objective, solution=solution)
-    return descend(family.builder(family.states()), family.freedoms, best.gamma, load, radius=0.02)
+    return descend(family.builder(family.states), family.freedoms, best.gamma, load, radius=0.02)
 
 
 def _refined(family: _Family, best: Local, load: float) -> tuple[_Family, Local]:
@@ -278,7 +288,7 @@ def _spared(family: _Family, best: Local, load: float) -> Local:
     terms = [term for term in best.solution.program.terms if term.cap is None]
     if not family.freedoms or len(terms) > 1:
         return best
-    few = [own.take(slice(None, None, 1 + len(own) // SPARED)) for own in family.states()]
+    few = [own.take(slice(None, None, 1 + len(own) // SPARED)) for own in family.states]
     value = max(best.solution.objective, 1e-9 * load) * (1 + 1e-7)
 
     def lean(gamma: Geometry) -> Program:
@@ -295,14 +305,14 @@ def _spared(family: _Family, best: Local, load: float) -> Local:
     thrifty = descend(lean, family.freedoms, best.gamma, stored, radius=0.1, iterations=30, precision=1e-5)
     if thrifty.excess > 1e-6 or thrifty.solution.objective > 0.99 * stored:
         return best
-    solution = solve(family.builder(family.states())(thrifty.gamma[None]).take(0), elastic=30 * load)
+    solution = solve(family.builder(family.states)(thrifty.gamma[None]).take(0), elastic=30 * load)
     kept = solution.objective <= best.solution.objective * (1 + 1e-6) + 1e-8 * load and solution.excess <= 1e-6
     return replace(best, gamma=thrifty.gamma, merit=solution.objective, solution=solution) if kept else best
 
 
 def _parted(family: _Family, best: Local) -> list[Balanced]:
     """Every case's own program with its share of the common solution."""
-    states = family.states()
+    states = family.states
     tasks, common = family.at(best.gamma), best.solution
     found = []
     for i, (task, own) in enumerate(zip(tasks, states, strict=True)):
@@ -335,9 +345,7 @@ def _finished(family: _Family, optima: Optima) -> Adjusted:
     every = (*family.unknowns, *(f.name for f in family.adjusted))
     adjusters = tuple(_adjuster(family, designs, name) for name in every)
     peaks = tuple(max(row.peak for row in design.after.values()) for design in designs)
-    shown = [
-        replace(design, settings=Settings(i, family.labels, adjusters, peaks)) for i, design in enumerate(designs)
-    ]
+    shown = [replace(design, settings=Settings(i, family.labels, adjusters, peaks)) for i, design in enumerate(designs)]
     return Adjusted(family.labels, tuple(shown))
 
 

@@ -129,6 +129,7 @@ def shape(
 
 
 def freedom_of(balancers: Sequence[Balancer], name: str, bounds: tuple[float, float]) -> Freedom:
+    """One parameter with its bounds; raises InputError where they are none."""
     low, high = (float(bound) for bound in bounds)
     if not (np.isfinite(low) and np.isfinite(high)):
         raise InputError(f"the bounds of {name} are not finite", where=f"shape.{name}")
@@ -184,7 +185,17 @@ def _descend_all(
     few = task.mechanism.states(thinned(task.sweep, states)) if len(task.sweep.poses) > COARSE else states
     fine = None if few is states else search.builder(states)
     begin = _present(search)
-    return descend_all(search.builder(few), fine, search.freedoms, begin, load, judge, starts, seed, progress)
+    return descend_all(
+        search.builder(few),
+        fine,
+        search.freedoms,
+        begin,
+        load,
+        judge=judge,
+        starts=starts,
+        seed=seed,
+        progress=progress,
+    )
 
 
 def descend_all(
@@ -193,6 +204,7 @@ def descend_all(
     freedoms: Sequence[Freedom],
     present: Array | None,
     load: float,
+    *,
     judge: Judge,
     starts: int,
     seed: int,

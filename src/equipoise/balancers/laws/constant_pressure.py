@@ -59,6 +59,6 @@ class ConstantPressure(Law):
         gas = Share("gas", "Pa", None, push, push * length, 0.0 * push)
         return self._charge.shares(gas, Share("air", "Pa", None, -push, -push * length, 0.0 * push))
 
-    def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
+    def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:  # noqa: ARG002
         """The air that a stroke takes from the regulator or gives back, at the pressure kept."""
         return {"volume drawn over the stroke": (float(np.ptp(length) * self.area), "m^3")}
