@@ -92,7 +92,9 @@ _HOME = {
     "Stiffness": "limits",
     "MassCap": "limits",
     "ExactAt": "limits",
+    "Balanced": "limits",
     "Elongation": "limits",
+    "SpringIndex": "limits",
     "Extension": "limits",
     "Aim": "objective",
     "Design": "design",
@@ -124,6 +126,8 @@ _HOME = {
     "cable_platform": "models.cable_platform",
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
+    "conditions": "verbs.conditions",
+    "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "adjust": "verbs.adjust",
     "Adjusted": "verbs.adjust",
@@ -165,6 +169,7 @@ __all__ = [
     "Aim",
     "Angle",
     "BSpline",
+    "Balanced",
     "Bearing",
     "BearingForces",
     "Block",
@@ -175,6 +180,7 @@ __all__ = [
     "Claim",
     "Coil",
     "CompressionSpring",
+    "Conditions",
     "Constant",
     "ConstantEnergy",
     "ConstantForceCam",
@@ -238,6 +244,7 @@ __all__ = [
     "Slope",
     "Solid",
     "Spring",
+    "SpringIndex",
     "States",
     "Stiffness",
     "StockSpring",
@@ -269,6 +276,7 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "conditions",
     "distribute",
     "equilibria",
     "exact_mean",
@@ -383,6 +391,7 @@ if TYPE_CHECKING:
         ProblemError,
     )
     from equipoise.limits import (
+        Balanced,
         Convex,
         Curvature,
         Elongation,
@@ -393,6 +402,7 @@ if TYPE_CHECKING:
         MassCap,
         Slack,
         Slope,
+        SpringIndex,
         Stiffness,
         Stroke,
         Tension,
@@ -442,6 +452,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from equipoise import assemble
-from equipoise.affine import Affine, Array
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
-from equipoise.limits import ExactAt, Setting
+from equipoise.limits import ExactAt
 from equipoise.objective import Aim
 from equipoise.parameters import read, write
 from equipoise.states import States
@@ -43,10 +42,7 @@ def check(problem: Problem) -> None:
                 if not any(name.startswith(f"{balancer.name}.law") for name in moved):
                     balancer.check_span(states)
 
-    def hold_at(poses: Array) -> Affine:
-        return assemble.effort(mechanism, balancers, mechanism.states(few.at_poses(poses)))
-
-    setting = Setting({balancer.name: balancer for balancer in balancers}, states, hold_at)
+    setting = assemble.setting_of(mechanism, balancers, few, states)
     for index, limit in enumerate(problem.limits):
         with problem.at("limits", index):
             if isinstance(limit, ExactAt):

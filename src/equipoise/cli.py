@@ -69,6 +69,42 @@ def analyze(file: File, json: Json = False, out: Out = None) -> int:
 
 @app.command()
 @guarded
+def conditions(
+    file: File,
+    json: Json = False,
+    out: Out = None,
+    goal: Annotated[
+        str, typer.Option("--goal", help="What shall vanish in all motions: force, moment or both.")
+    ] = "force",
+    solve_for: Annotated[
+        list[str] | None,
+        typer.Option("--for", metavar="NAME", help="Body or parameter to solve for first; repeatable."),
+    ] = None,
+    on: Annotated[
+        list[str] | None, typer.Option("--on", metavar="BODY", help="Body that may carry added mass; repeatable.")
+    ] = None,
+    reach: Annotated[str | None, typer.Option("--reach", help="How far from its joint, such as '50 mm'.")] = None,
+) -> int:
+    """What masses must keep so that nothing shakes in any motion, and whether added mass alone can do it."""
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.targets import target_of
+    from equipoise.units import to_si
+    from equipoise.verbs.conditions import conditions as run
+
+    mechanism = target_of(file).problem.mechanism
+    far = None if reach is None else to_si(reach, "m", "--reach")
+    found = run(mechanism, cast("Any", goal), solve_for=solve_for or (), on=on, reach=far)
+    say(str(found))
+    with staging(out) as stage:
+        if stage is not None:
+            (stage / "conditions.json").write_text(dumps(found.json()), encoding="utf-8")
+    if json:
+        emit(found.json())
+    return 0
+
+
+@app.command()
+@guarded
 def balance(file: File, json: Json = False, out: Out = None) -> int:
     """The best values of all unknowns at the geometry of the file."""
     from equipoise.solving import balanced, served, solvable_problem

@@ -25,6 +25,8 @@ from equipoise.units import Joint, Length, Mass, Number, Time, to_si
 
 MAX_POSES = 5_000_000
 INSTANTS = 721
+PROBE = 24
+"""How many random poses must be in reach before more are tried."""
 
 
 @dataclass(frozen=True)
@@ -301,8 +303,9 @@ class Sweep:
     ) -> Sweep:
         """n random states that the mechanism admits: poses in the joint limits (or `ranges`), moving in any way.
 
-        What vanishes on them vanishes for all motions. Velocities and accelerations are drawn from -1..1 (rad/s,
-        rad/s^2 or m/s, m/s^2). Poses that the loops do not reach from the reference are left out.
+        What vanishes on them vanishes for all motions, as everything here is analytic in the pose. Velocities and
+        accelerations are drawn from -1..1 (rad/s, rad/s^2 or m/s, m/s^2). Where loops do not reach all poses, these
+        are drawn closer to the reference, until the loops do.
         """
         from equipoise.loops import reachable
 
@@ -311,22 +314,26 @@ class Sweep:
         _few_enough(n * max(1, len(payload)))
         box, rng = _box(mechanism, ranges or {}), generator(seed)
         centre, kept = held(mechanism), np.zeros((0, len(box)))
-        for shrink in (1.0, 1.0, 0.3, 0.1, 0.03):
+        for shrink in (1.0, 0.4, 0.15, 0.05, 0.02):
             near = centre + shrink * (box - centre[:, None]).T
             poses = near[0] + rng.random((2 * n, len(box))) * (near[1] - near[0])
-            kept = np.vstack([kept, poses[reachable(mechanism, poses)]])
-            if len(kept) >= n:
+            some = poses[:PROBE][reachable(mechanism, poses[:PROBE])]
+            reached = poses[reachable(mechanism, poses)] if len(some) == len(poses[:PROBE]) else some
+            if len(reached) == len(poses):  # a room without walls: its poses also reach each other
+                kept = reached
                 break
+            kept = np.vstack([kept, reached])
         if len(kept) < n:
             raise InputError(
                 f"only {len(kept)} of {n} random poses can be reached by the loops",
                 where="sweep.any_motion",
                 hint="narrow the `ranges` of the driven joints",
             )
+        kept = kept[-n:]
         unit = np.repeat([[-1.0, 1.0]], 2 * len(box), axis=0)
         rates = rng.uniform(-1.0, 1.0, (n, 2 * len(box)))
-        free = Free(np.hstack([kept[:n], rates]), np.vstack([np.stack([kept.min(0), kept.max(0)], 1), unit]))
-        sweep = Sweep(kept[:n], np.ones(n), f"{n} random states (seed {seed})", moves=free)
+        free = Free(np.hstack([kept, rates]), np.vstack([np.stack([kept.min(0), kept.max(0)], 1), unit]))
+        sweep = Sweep(kept, np.ones(n), f"{n} random states (seed {seed})", moves=free)
         return _with_payload(mechanism, sweep, payload)
 
     @property

@@ -51,6 +51,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.balancers.synthesis import Prescribed
 from equipoise.forms import Family, Form
 from equipoise.limits import (
+    Balanced,
     Convex,
     Curvature,
     Elongation,
@@ -61,6 +62,7 @@ from equipoise.limits import (
     MassCap,
     Slack,
     Slope,
+    SpringIndex,
     Stiffness,
     Stroke,
     Tension,
@@ -160,6 +162,7 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
     "elongation": Elongation,
+    "spring_index": SpringIndex,
     "extension": Extension,
     "force": Force,
     "slack": Slack,
@@ -167,6 +170,7 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "balanced": Balanced,
     "slope": Slope,
     "curvature": Curvature,
     "convex": Convex,

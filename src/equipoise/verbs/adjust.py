@@ -252,6 +252,7 @@ def _searched(
         family.freedoms,
         begin,
         load,
+        rows=sum(len(own) for own in few),
         judge=by_least_squares,
         starts=starts,
         seed=seed,

@@ -9,11 +9,14 @@ import numpy as np
 
 from equipoise.affine import Array, Block, Indices, Unknown, magnitudes
 from equipoise.assemble import Balancer, account, build, check, effort, thrift
+from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.spring import Spring
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
 from equipoise.floors import floors
+from equipoise.limits import Balanced as InAllMotions
 from equipoise.limits import Limit, OverInterval
+from equipoise.limits.balanced import WORDS
 from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
 from equipoise.motion.moves import Free
@@ -90,8 +93,30 @@ def balance(
     exceed the peak are added until none does. Raises InfeasibleError naming the limits that conflict.
     """
     task = task_of(mechanism, balancers, sweep, norm, objective, limits)
-    balanced = settle(task)
+    try:
+        balanced = settle(task)
+    except InfeasibleError as error:
+        raise _reasoned(task, error) from None
     return finish(balanced, certify(balanced))
+
+
+def _reasoned(task: Task, error: InfeasibleError) -> InfeasibleError:
+    """Why balance for all motions is out of reach, where added mass alone shall bring it."""
+    asked = next((limit for limit in task.limits if isinstance(limit, InAllMotions)), None)
+    if asked is None or not all(isinstance(balancer, Counterweight) for balancer in task.balancers):
+        return error
+    from equipoise.reporting.balance import completion_text
+    from equipoise.verbs.conditions import conditions
+
+    on = list(dict.fromkeys(b.at.body for b in task.balancers if isinstance(b, Counterweight)))
+    found = conditions(task.mechanism, asked.balanced, on=on).completion
+    if found.possible:
+        return error
+    return InfeasibleError(
+        f"{error.message}\n{completion_text(found, WORDS[asked.balanced])}",
+        where=error.where,
+        hint="add a counter-rotor or a flywheel; `equipoise conditions` lists what masses must keep",
+    )
 
 
 def task_of(

@@ -167,7 +167,9 @@ def load_of(task: Task, states: States) -> float:
 def _called_up(search: _Search, states: States, seed: int) -> float:
     """What the limits call up by themselves: the median over geometries in the bounds; zero where they do not."""
     build = search.builder(states.take(slice(None, None, 1 + len(states) // COARSE)))
-    found = [build(gamma[None]).take(0).called_up for gamma in sown(search.freedoms, SOUNDED, seed)]
+    gammas = sown(search.freedoms, SOUNDED, seed)
+    sounded = build(gammas)
+    found = [sounded.take(index).called_up for index in range(len(gammas))]
     return float(np.median([value for value in found if value > 0] or [0.0]))
 
 
@@ -191,6 +193,7 @@ def _descend_all(
         search.freedoms,
         begin,
         load,
+        rows=len(few),
         judge=judge,
         starts=starts,
         seed=seed,
@@ -205,13 +208,14 @@ def descend_all(
     present: Array | None,
     load: float,
     *,
+    rows: int,
     judge: Judge,
     starts: int,
     seed: int,
     progress: Progress | None,
 ) -> Optima:
-    """All starts over few states, the present geometry first; the best few distinct ones again over all, if others."""
-    ranked, _ = screen(coarse, freedoms, PER_START * starts, seed, 10 * load, judge)
+    """All starts over few states, `rows` of them, the present geometry first; the best distinct ones again over all."""
+    ranked, _ = screen(coarse, rows, freedoms, PER_START * starts, seed, 10 * load, judge)
     begin = spread_out(ranked, freedoms, starts)
     if present is not None:
         begin = np.vstack([present, begin[: starts - 1]])
