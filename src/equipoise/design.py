@@ -16,10 +16,12 @@ from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
 from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
+from equipoise.cases import Settings
 from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim, pole_of
+from equipoise.parts import Part
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.swept import swept_box
@@ -96,7 +98,8 @@ class Design:
 
     values {name: SI value} and units {name: unit} of the unknowns; geometry {parameter: value} that shape
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
-    whose poses were found between the samples; problem is the file it came from, where there was one.
+    whose poses were found between the samples; problem is the file it came from, where there was one; settings say
+    what is adjusted from case to case, where a design serves several.
     """
 
     mechanism: Mechanism
@@ -116,6 +119,7 @@ class Design:
     refined: int = 0
     verification: Verification | None = None
     problem: Mapping[str, Any] | None = None
+    settings: Settings | None = None
 
     @property
     def norm(self) -> str:
@@ -232,6 +236,7 @@ class Design:
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
+            "settings": self.settings.json() if self.settings else None,
             "cite": self.cite(),
         }
 
@@ -289,6 +294,7 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
         "force": [float(force.min()), float(force.max())],
         "energy": [float(energy.min()), float(energy.max())],
         "mass": float(spring.own_mass),
+        **(spring.law.record(length) if isinstance(spring.law, Part) else {}),
     }
 
 

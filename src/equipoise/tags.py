@@ -12,6 +12,7 @@ from equipoise.balancers.laws import (
     BSpline,
     Coil,
     Constant,
+    ConstantPressure,
     Gas,
     HydroPneumatic,
     Law,
@@ -50,6 +51,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.balancers.synthesis import Prescribed
 from equipoise.forms import Family, Form
 from equipoise.limits import (
+    Balanced,
     Convex,
     Curvature,
     Elongation,
@@ -60,6 +62,7 @@ from equipoise.limits import (
     MassCap,
     Slack,
     Slope,
+    SpringIndex,
     Stiffness,
     Stroke,
     Tension,
@@ -78,6 +81,7 @@ from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.rrr3 import rrr3
 from equipoise.models.slider_crank import slider_crank
 from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
+from equipoise.parts import PARTS
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -137,12 +141,14 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "constant_pressure": ConstantPressure,
     "gas": Gas,
     "gas_cylinder": gas_cylinder,
     "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
     "bspline": BSpline,
+    **PARTS,
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
@@ -156,6 +162,7 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
     "elongation": Elongation,
+    "spring_index": SpringIndex,
     "extension": Extension,
     "force": Force,
     "slack": Slack,
@@ -163,6 +170,7 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "balanced": Balanced,
     "slope": Slope,
     "curvature": Curvature,
     "convex": Convex,

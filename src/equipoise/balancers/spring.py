@@ -52,9 +52,9 @@ class Spring:
 
     @property
     def own_mass(self) -> Any:
-        """The spring's own mass, kg."""
+        """The spring's own mass, kg, with that of a real part."""
         if not isinstance(self.mass, WireMass):
-            return self.mass
+            return self.mass + self.law.own_mass
         rate = getattr(self.law, "k", None)
         if rate is None:
             raise InputError(

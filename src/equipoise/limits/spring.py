@@ -18,6 +18,7 @@ from equipoise.limits import curve
 from equipoise.limits.limit import Setting
 from equipoise.limits.realisable import room
 from equipoise.limits.sides import path_unit, scale_of, sides
+from equipoise.parts.part import Part
 from equipoise.solve.program import Rows
 
 
@@ -152,6 +153,7 @@ def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tu
         if isinstance(balancer, Spring):
             rows += _span(balancer, setting)
             rows += _needs(balancer, setting)
+            rows += _making(balancer)
         elif isinstance(balancer, Counterweight) and balancer.reach is not None:
             rows += room(balancer) if balancer.second else _reach(balancer)
     return tuple(rows)
@@ -164,6 +166,17 @@ def _needs(spring: Spring, setting: Setting) -> list[Rows]:
         none = np.zeros((*need.room.shape, 0), dtype=need.room.dtype)
         state = np.arange(need.room.shape[-1])
         rows.append(Rows(f"{need.limit} of {spring.name}", need.unit, none, need.room, (), state, scale=need.scale))
+    return rows
+
+
+def _making(spring: Spring) -> list[Rows]:
+    """What a part needs to be made, where its numbers are not fixed: an index, a wire that is known, and so on."""
+    rows = []
+    for fault in spring.law.faults() if isinstance(spring.law, Part) else ():
+        room = np.asarray(fault.room)
+        if room.ndim:
+            none = np.zeros((*room.shape, 0), dtype=room.dtype)
+            rows.append(Rows(f"{fault.reason}: {spring.name}", fault.unit, none, room, (), scale=fault.scale))
     return rows
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from equipoise.balancers.laws.law import FORCE
 from equipoise.design import Active, Design
 from equipoise.parameters import tag
-from equipoise.reporting.numbers import SHOWN, place, plain, quantity, shown, sig, sort_out, span
+from equipoise.reporting.numbers import SHOWN, percent, place, plain, quantity, shown, sig, sort_out, span
 from equipoise.reporting.rehearsal import motion_words
 from equipoise.units import along_path
 
@@ -97,8 +97,10 @@ def main_joint(design: Design) -> str:
 
 
 def law_words(part: Mapping[str, Any], balancer: Any) -> str:
-    """`zero free length, k = 1684 N/m`."""
+    """`zero free length, k = 1684 N/m`; a real part says how it is ordered."""
     law = tag(type(balancer.law))
+    if "order" in part:
+        return f"{law.replace('_', ' ')}: {part['order']}"
     # A rate whose force is below rounding beside the rest is the solver's way to say none.
     least = 1e-9 * max(abs(force) for force in part["force"]) / max(*map(abs, part["length"]), 1e-9)
     parameters = {key: 0.0 if key == "k" and abs(k) <= least else k for key, k in part["parameters"].items()}
@@ -146,6 +148,15 @@ def parameter_words(parameters: Mapping[str, float], units: Mapping[str, str]) -
         name, shown_value = PARAMETERS.get(parameter, parameter.replace("_", " ")), quantity(value, units[parameter])
         words.append(f"{name} = {shown_value}" if parameter == "k" else f"{name} {shown_value}")
     return words
+
+
+def used_words(part: Mapping[str, Any]) -> str:
+    """`used: body shear 61 % of allowed, ...; unsourced: ...` of a real part, or nothing."""
+    if "order" not in part:
+        return ""
+    used = [f"{name} {percent(clause['used'])} of allowed" for name, clause in part["clauses"].items()]
+    doubts = [f"unsourced, ask the maker: {', '.join(part['unsourced'])}"] if part["unsourced"] else []
+    return "; ".join([*([f"used: {', '.join(used)}"] if used else []), *doubts])
 
 
 def where_words(part: Mapping[str, Any]) -> str:

@@ -83,6 +83,8 @@ def _facts(part: Mapping[str, Any]) -> list[list[str]]:
     if pushes:
         facts[1][1] = join([facts[1][1], small("negative: it pushes")])
     facts += [[name, value] for name, value in phrases.details(part)]
+    if part.get("unsourced"):
+        facts.append(["unsourced, ask the maker", ", ".join(part["unsourced"])])
     if part.get("mass"):
         facts.append(["own mass", quantity(part["mass"], "kg", 3)])
     if words := phrases.stored_words(part):

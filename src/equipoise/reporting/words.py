@@ -136,6 +136,7 @@ def _part(part: Mapping[str, Any], balancer: object, design: Design) -> list[str
             *_labelled(name, phrases.law_words(part, balancer)),
             *_labelled("", _led(part, balancer)),
             *_labelled("", phrases.work_words(part)),
+            *(_labelled("", words) if (words := phrases.used_words(part)) else []),
             *(_labelled("", words) if (words := phrases.stored_words(part)) else []),
         ]
     word = {"counterweight": "weight", "counter_rotor": "rotor", "flywheel": "flywheel"}[part["kind"]]

@@ -17,6 +17,7 @@ from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, compile_spec
 from equipoise.models.notices import listen
+from equipoise.seeding import generator
 from equipoise.states import States
 from equipoise.verification.findings import Disagreement, JointError
 from equipoise.verification.postures import postures
@@ -83,7 +84,7 @@ def compare(design: Design, path: Path, poses: int, seed: int) -> Comparison:
 def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
     """States at poses that the program did not see, in all its payload scenarios, and how they were chosen."""
     mechanism, sweep = design.mechanism, design.sweep
-    rng = np.random.default_rng(seed)
+    rng = generator(seed)
     tries = []
     if sweep.box is not None:
         poses = sweep.box[:, 0] + rng.random((count, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
