@@ -54,6 +54,8 @@ LAWS = {
     "coil_free_length_unknown": eq.Coil(free_length=None),
     "coil_all_unknown": eq.Coil(free_length=None, initial_tension=None),
     "constant": eq.Constant(),
+    "constant_pressure": eq.ConstantPressure(3e-4),
+    "constant_pressure_given": eq.ConstantPressure(3e-4, 4e5, "pull", "absolute"),
     "gas_push": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4),
     "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
     "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),

@@ -44,6 +44,8 @@ _HOME = {
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
     "Gas": "balancers.laws",
+    "ConstantPressure": "balancers.laws",
+    "Tilt": "tilt",
     "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
@@ -132,6 +134,11 @@ _HOME = {
     "conditions": "verbs.conditions",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
+    "adjust": "verbs.adjust",
+    "Adjusted": "verbs.adjust",
+    "Adjuster": "cases",
+    "Case": "cases",
+    "by_payload": "cases",
     "shape": "verbs.shape",
     "verify": "verbs.verify",
     "report": "verbs.report",
@@ -160,6 +167,8 @@ _HOME = {
 
 __all__ = [
     "Absolute",
+    "Adjusted",
+    "Adjuster",
     "Adjustment",
     "Affine",
     "Aim",
@@ -172,6 +181,7 @@ __all__ = [
     "Cable",
     "Cam",
     "CamWithSpring",
+    "Case",
     "Claim",
     "Coil",
     "CompressionSpring",
@@ -180,6 +190,7 @@ __all__ = [
     "ConstantEnergy",
     "ConstantForceCam",
     "ConstantForceSpring",
+    "ConstantPressure",
     "Convex",
     "CounterRotor",
     "Counterweight",
@@ -247,6 +258,7 @@ __all__ = [
     "Supply",
     "Sweep",
     "Tension",
+    "Tilt",
     "TimePolynomial",
     "TimeSpline",
     "Torsion",
@@ -258,12 +270,14 @@ __all__ = [
     "WireMass",
     "ZeroFreeLength",
     "__version__",
+    "adjust",
     "analyze",
     "arm_cam",
     "arm_curve",
     "balance",
     "bearing_forces",
     "behaviour",
+    "by_payload",
     "cable_platform",
     "caspr",
     "chain",
@@ -330,6 +344,7 @@ if TYPE_CHECKING:
         BSpline,
         Coil,
         Constant,
+        ConstantPressure,
         Gas,
         HydroPneumatic,
         Linear,
@@ -376,6 +391,7 @@ if TYPE_CHECKING:
         survey,
         wrench_matrix,
     )
+    from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (
@@ -445,7 +461,9 @@ if TYPE_CHECKING:
     from equipoise.sag import Sag, sag_tension
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
+    from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
+    from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.conditions import Conditions, conditions

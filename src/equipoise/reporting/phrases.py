@@ -11,6 +11,7 @@ from equipoise.balancers.laws.law import FORCE
 from equipoise.design import Active, Design
 from equipoise.parameters import tag
 from equipoise.reporting.numbers import SHOWN, percent, place, plain, quantity, seen, shown, sig, sort_out, span
+from equipoise.reporting.rehearsal import motion_words
 from equipoise.units import along_path
 
 STEPS = {
@@ -351,7 +352,8 @@ def verified_words(design: Design) -> str:
     verdict = f"agrees to {error} {found.unit}" if found.agrees else f"DISAGREES by {error} {found.unit}"
     poses = f"{found.poses:,}".replace(",", " ")
     words = f"{found.engine}, {poses} unseen poses, saved file reloaded: {verdict}"
-    return "; ".join([words, *filter(None, [between_words(design, main_joint(design))])])
+    moved = motion_words(found.motion) if found.motion else []
+    return "; ".join([words, *filter(None, [between_words(design, main_joint(design))]), *moved])
 
 
 def between_words(design: Design, joint: str) -> str:

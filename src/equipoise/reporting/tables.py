@@ -13,6 +13,7 @@ from equipoise.reporting import phrases
 from equipoise.reporting.markup import Raw, clean, element, join, listing, section, small, table
 from equipoise.reporting.numbers import percent, plain, quantity, seen, shown, sig, sort_out, span
 from equipoise.reporting.pathwords import path_words
+from equipoise.reporting.rehearsal import motion_table
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Bound
@@ -151,6 +152,7 @@ def verification(design: Design) -> Raw:
         table(["joint", "difference", "relative", "peak after", "upper bound", ""], rows, numbers=1),
         element("p", between, class_="note"),
         element("p", energy, class_="note"),
+        motion_table(found.motion) if found.motion else "",
         listing(found.notes) if found.notes else "",
     )
 
