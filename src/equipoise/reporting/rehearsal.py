@@ -17,8 +17,8 @@ def motion_words(found: MotionCheck) -> list[str]:
     words = [f"in motion MuJoCo's inverse dynamics agrees to {sig(worst, 2)} of the load"]
     for name, (coarse, fine) in found.differences.items():
         words.append(
-            f"simulated {name} differs by {sig(coarse.error, 2)} {coarse.unit} at {sig(1e6 * found.steps[0], 2)} us "
-            f"steps, by {sig(fine.error, 2)} at {sig(1e6 * found.steps[1], 2)} us"
+            f"simulated {name} differs by {sig(coarse.error, 2)} {coarse.unit} at {sig(1e3 * found.steps[0], 2)} ms "
+            f"steps, by {sig(fine.error, 2)} at {sig(1e3 * found.steps[1], 2)} ms"
         )
     (shift, turn), (_, (still, rest)) = found.base.before, found.base.after
     words.append(
@@ -36,7 +36,7 @@ def motion_table(check: MotionCheck) -> Raw:
         [join([name, small(fine.unit)]), sig(coarse.error, 2), sig(fine.error, 2), sig(fine.relative, 2)]
         for name, (coarse, fine) in check.differences.items()
     ]
-    steps = [f"step {sig(1e6 * step, 3)} us" for step in check.steps]
+    steps = [f"step {sig(1e3 * step, 3)} ms" for step in check.steps]
     base = check.base
     rows = [
         [word, sig(1e3 * shift, 3), sig(1e3 * turn, 3)]
