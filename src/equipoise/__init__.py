@@ -124,6 +124,10 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "point_masses": "substitution",
+    "substitute": "substitution",
+    "PointMasses": "substitution",
+    "Mesh": "balancers.counter_rotor",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "shape": "verbs.shape",
@@ -210,6 +214,7 @@ __all__ = [
     "Machine",
     "MassCap",
     "Mechanism",
+    "Mesh",
     "ModelError",
     "Motion",
     "Mount",
@@ -219,6 +224,7 @@ __all__ = [
     "Platform",
     "Point",
     "PointMass",
+    "PointMasses",
     "Polynomial",
     "Prescribed",
     "Problem",
@@ -283,6 +289,7 @@ __all__ = [
     "parallelogram_robot",
     "payload_rule",
     "platform_measure",
+    "point_masses",
     "preferred_sizes",
     "report",
     "reproduce",
@@ -291,6 +298,7 @@ __all__ = [
     "shape",
     "slider_crank",
     "stiffness",
+    "substitute",
     "verify",
     "wrench_matrix",
 ]
@@ -310,7 +318,7 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.counter_rotor import CounterRotor
+    from equipoise.balancers.counter_rotor import CounterRotor, Mesh
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
@@ -427,6 +435,7 @@ if TYPE_CHECKING:
     )
     from equipoise.problem import Problem, load_problem
     from equipoise.states import States
+    from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
     from equipoise.variation import exact_mean
     from equipoise.verbs.analyze import analyze
