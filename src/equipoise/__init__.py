@@ -110,10 +110,15 @@ _HOME = {
     "wrench_matrix": "cables",
     "closure": "cables",
     "feasible": "cables",
-    "sag_tension": "cables",
+    "sag_tension": "sag",
+    "Sag": "sag",
     "distribute": "cables",
     "clearance": "cables",
     "stiffness": "cables",
+    "held_stiffness": "cables",
+    "survey": "cables",
+    "behaviour": "cables",
+    "spline_floor": "cables",
     "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
@@ -238,6 +243,7 @@ __all__ = [
     "Profile",
     "Pulley",
     "Reel",
+    "Sag",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -270,6 +276,7 @@ __all__ = [
     "arm_curve",
     "balance",
     "bearing_forces",
+    "behaviour",
     "by_payload",
     "cable_platform",
     "caspr",
@@ -288,6 +295,7 @@ __all__ = [
     "geometry_map",
     "grade",
     "grades",
+    "held_stiffness",
     "human_leg",
     "iterated_rates",
     "law_curve",
@@ -306,7 +314,9 @@ __all__ = [
     "sag_tension",
     "shape",
     "slider_crank",
+    "spline_floor",
     "stiffness",
+    "survey",
     "verify",
     "wrench_matrix",
 ]
@@ -369,13 +379,16 @@ if TYPE_CHECKING:
     from equipoise.balancers.spring import Spring
     from equipoise.balancers.synthesis import Prescribed
     from equipoise.cables import (
+        behaviour,
         clearance,
         closure,
         distribute,
         equilibria,
         feasible,
-        sag_tension,
+        held_stiffness,
+        spline_floor,
         stiffness,
+        survey,
         wrench_matrix,
     )
     from equipoise.cases import Adjuster, Case, by_payload
@@ -445,6 +458,7 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.sag import Sag, sag_tension
     from equipoise.states import States
     from equipoise.sweep import Payload, Sweep
     from equipoise.tilt import Tilt

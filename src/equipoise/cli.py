@@ -63,6 +63,8 @@ def analyze(file: File, json: Json = False, out: Out = None) -> int:
     with staging(out) as stage:
         if stage is not None:
             (stage / "analysis.json").write_text(dumps(found.json()), encoding="utf-8")
+            if found.cables is not None:
+                found.cables.write(stage / "cables.csv")
     if json:
         emit(found.json())
     return 0
