@@ -54,6 +54,8 @@ LAWS = {
     "coil_free_length_unknown": eq.Coil(free_length=None),
     "coil_all_unknown": eq.Coil(free_length=None, initial_tension=None),
     "constant": eq.Constant(),
+    "constant_pressure": eq.ConstantPressure(3e-4),
+    "constant_pressure_given": eq.ConstantPressure(3e-4, 4e5, "pull", "absolute"),
     "gas_push": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4),
     "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
     "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),
@@ -355,6 +357,7 @@ LIMITS = {
     "stiffness": lambda: eq.Stiffness("b", max=2000.0, min=5.0),
     "elongation": lambda: eq.Elongation("b", max=1.0, min=0.05),
     "extension": lambda: eq.Extension("b", max=0.2),
+    "spring_index": lambda: eq.SpringIndex("b", min=4.0, max=15.0, diameter=0.04, coils=60.0),
     "force_over": lambda: eq.Force("b", max=300.0, min=10.0, over=(0.1, 0.9)),
     "slope": lambda: eq.Slope("b", (0.1, 0.9), min=5.0),
     "curvature": lambda: eq.Curvature("b", (0.1, 0.9), max=50.0),
@@ -377,8 +380,8 @@ def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
     mech, states, _, _ = posed["spatial"]
     part = eq.Spring("b", PATHS["between"](mech), LIMITED[law])
     curved = law == "gas" and limit in ("force_over", "slope", "curvature", "convex")
-    if curved or (law != "coil" and limit in ("elongation", "extension")):
-        with pytest.raises(eq.InputError, match=r"is no (polynomial|coil)"):
+    if curved or (law != "coil" and limit in ("elongation", "extension", "spring_index")):
+        with pytest.raises(eq.InputError, match=r"is no (polynomial|coil)|has no rate"):
             LIMITS[limit]().rows(Setting({"b": part}, states, lambda poses: effort(mech, [part], states)))
         return
     name, h = "b.path.line.1.x", 1e-6

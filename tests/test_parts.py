@@ -269,3 +269,69 @@ def test_a_part_that_is_too_short_is_a_limit_not_kept():
     spring = eq.Spring("s", eq.Line(arm.at("world", 0, 0, 0.55), arm.at("arm", 0.25)), law)
     with pytest.raises(eq.InfeasibleError, match="working range of s"):
         eq.balance(arm, [spring], over)
+
+
+def arm_and_sweep():
+    arm = eq.chain([eq.Link("arm", length=0.5, mass=2.0)])
+    return arm, eq.Sweep.grid(arm, {"arm_joint": (-0.5, 1.0, 21)})
+
+
+def line(arm):
+    return eq.Line(arm.at("world", 0, 0, 0.55), arm.at("arm", 0.25))
+
+
+def test_the_spring_index_bounds_the_rate_that_is_found():
+    """d^4 = 8 D^3 n k / G, so D / d <= 15 asks for k >= G D / (8 n 15^4), which costs balance here."""
+    arm, over = arm_and_sweep()
+    free = eq.balance(arm, [eq.Spring("s", line(arm), eq.Coil(free_length=0.3))], over)
+    limit = eq.SpringIndex("s", min=4.0, max=8.0, diameter=0.05, coils=60.0)
+    kept = eq.balance(arm, [eq.Spring("s", line(arm), eq.Coil(free_length=0.3))], over, limits=[limit])
+    assert free.values["s.k"] < kept.values["s.k"] == pytest.approx(81.5e9 * 0.05 / (8 * 60 * 8**4))
+    assert any("spring index of s <= 8" in active.limit for active in kept.certificate.active)
+    wire = (8 * 0.05**3 * 60 * kept.values["s.k"] / 81.5e9) ** 0.25
+    assert 0.05 / wire == pytest.approx(8.0)
+
+
+def test_the_spring_index_bounds_a_shaped_rate_and_a_shaped_wire():
+    arm, over = arm_and_sweep()
+    wire = eq.WireMass(diameter=0.05, coils=60, wire_length=9.0, shear_modulus=81.5e9)
+    ideal = eq.Spring("s", line(arm), eq.ZeroFreeLength(k=100.0), mass=wire)
+    limits = [eq.SpringIndex("s", max=12.0)]
+    design = eq.shape(arm, [ideal], over, {"s.law.k": (20.0, 2000.0)}, limits=limits, starts=2)
+    assert 0.05 / wire.thickness(design.geometry["s.law.k"]) == pytest.approx(12.0, rel=1e-6)
+    made = eq.Spring("s", line(arm), eq.ExtensionSpring(0.003, 0.03, 80.0, initial_tension=10.0))
+    bounds = {"s.law.wire": (0.002, 0.004), "s.law.coils": (40.0, 90.0)}
+    for low, high in ((4.0, 9.5), (11.0, 15.0)):
+        found = eq.shape(arm, [made], over, bounds, limits=[eq.SpringIndex("s", low, high)], starts=3)
+        assert low - 1e-6 <= 0.03 / found.geometry["s.law.wire"] <= high + 1e-6
+
+
+def test_elongation_of_a_part_is_that_of_the_spring_without_its_leader():
+    arm, over = arm_and_sweep()
+    law = eq.ExtensionSpring(0.003, 0.03, 60, initial_tension=20.0, leader=0.1)
+    spring = eq.Spring("s", line(arm), law)
+    length = spring.path.deform(arm.states(over))[0]
+    most = (length.max() - 0.1) / law.own_length - 1
+    for bound, fine in ((most * 1.001, True), (most * 0.999, False)):
+        limit = [eq.Elongation("s", max=bound)]
+        if fine:
+            assert eq.balance(arm, [spring], over, limits=limit).certificate.violation <= 1e-9
+        else:
+            with pytest.raises(eq.InfeasibleError, match="elongation of s"):
+                eq.balance(arm, [spring], over, limits=limit)
+
+
+@pytest.mark.parametrize(
+    ("limit", "law", "words"),
+    [
+        (eq.SpringIndex("s"), eq.ZeroFreeLength(), "needs positive bounds"),
+        (eq.SpringIndex("s", 15.0, 4.0), eq.ZeroFreeLength(), "min below max"),
+        (eq.SpringIndex("s", 4.0, 15.0), eq.ZeroFreeLength(), "nothing says what coil"),
+        (eq.SpringIndex("s", 4.0, 15.0), eq.Constant(), "no rate that a coil's wire follows"),
+        (eq.SpringIndex("t", 4.0, 15.0), eq.ZeroFreeLength(), "no spring called 't'"),
+    ],
+)
+def test_an_index_that_nothing_has_says_so(limit, law, words):
+    arm, over = arm_and_sweep()
+    with pytest.raises(InputError, match=words):
+        eq.balance(arm, [eq.Spring("s", line(arm), law)], over, limits=[limit])

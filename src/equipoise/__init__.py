@@ -44,6 +44,8 @@ _HOME = {
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
     "Gas": "balancers.laws",
+    "ConstantPressure": "balancers.laws",
+    "Tilt": "tilt",
     "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
@@ -92,6 +94,7 @@ _HOME = {
     "ExactAt": "limits",
     "Balanced": "limits",
     "Elongation": "limits",
+    "SpringIndex": "limits",
     "Extension": "limits",
     "Aim": "objective",
     "Design": "design",
@@ -107,10 +110,15 @@ _HOME = {
     "wrench_matrix": "cables",
     "closure": "cables",
     "feasible": "cables",
-    "sag_tension": "cables",
+    "sag_tension": "sag",
+    "Sag": "sag",
     "distribute": "cables",
     "clearance": "cables",
     "stiffness": "cables",
+    "held_stiffness": "cables",
+    "survey": "cables",
+    "behaviour": "cables",
+    "spline_floor": "cables",
     "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
@@ -130,6 +138,11 @@ _HOME = {
     "Mesh": "balancers.counter_rotor",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
+    "adjust": "verbs.adjust",
+    "Adjusted": "verbs.adjust",
+    "Adjuster": "cases",
+    "Case": "cases",
+    "by_payload": "cases",
     "shape": "verbs.shape",
     "verify": "verbs.verify",
     "report": "verbs.report",
@@ -158,6 +171,8 @@ _HOME = {
 
 __all__ = [
     "Absolute",
+    "Adjusted",
+    "Adjuster",
     "Adjustment",
     "Affine",
     "Aim",
@@ -170,6 +185,7 @@ __all__ = [
     "Cable",
     "Cam",
     "CamWithSpring",
+    "Case",
     "Claim",
     "Coil",
     "CompressionSpring",
@@ -178,6 +194,7 @@ __all__ = [
     "ConstantEnergy",
     "ConstantForceCam",
     "ConstantForceSpring",
+    "ConstantPressure",
     "Convex",
     "CounterRotor",
     "Counterweight",
@@ -232,12 +249,14 @@ __all__ = [
     "Profile",
     "Pulley",
     "Reel",
+    "Sag",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
     "Slope",
     "Solid",
     "Spring",
+    "SpringIndex",
     "States",
     "Stiffness",
     "StockSpring",
@@ -245,6 +264,7 @@ __all__ = [
     "Supply",
     "Sweep",
     "Tension",
+    "Tilt",
     "TimePolynomial",
     "TimeSpline",
     "Torsion",
@@ -256,11 +276,14 @@ __all__ = [
     "WireMass",
     "ZeroFreeLength",
     "__version__",
+    "adjust",
     "analyze",
     "arm_cam",
     "arm_curve",
     "balance",
     "bearing_forces",
+    "behaviour",
+    "by_payload",
     "cable_platform",
     "caspr",
     "chain",
@@ -278,6 +301,7 @@ __all__ = [
     "geometry_map",
     "grade",
     "grades",
+    "held_stiffness",
     "human_leg",
     "iterated_rates",
     "law_curve",
@@ -297,8 +321,10 @@ __all__ = [
     "sag_tension",
     "shape",
     "slider_crank",
+    "spline_floor",
     "stiffness",
     "substitute",
+    "survey",
     "verify",
     "wrench_matrix",
 ]
@@ -326,6 +352,7 @@ if TYPE_CHECKING:
         BSpline,
         Coil,
         Constant,
+        ConstantPressure,
         Gas,
         HydroPneumatic,
         Linear,
@@ -360,15 +387,19 @@ if TYPE_CHECKING:
     from equipoise.balancers.spring import Spring
     from equipoise.balancers.synthesis import Prescribed
     from equipoise.cables import (
+        behaviour,
         clearance,
         closure,
         distribute,
         equilibria,
         feasible,
-        sag_tension,
+        held_stiffness,
+        spline_floor,
         stiffness,
+        survey,
         wrench_matrix,
     )
+    from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
     from equipoise.design import Design
     from equipoise.errors import (
@@ -392,6 +423,7 @@ if TYPE_CHECKING:
         MassCap,
         Slack,
         Slope,
+        SpringIndex,
         Stiffness,
         Stroke,
         Tension,
@@ -434,10 +466,13 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.sag import Sag, sag_tension
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
+    from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
+    from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.conditions import Conditions, conditions

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from equipoise.design import Design
     from equipoise.problem import Problem
     from equipoise.solve.program import Norm
+    from equipoise.verbs.adjust import Adjusted
 
 app = typer.Typer(
     name="equipoise",
@@ -60,6 +63,8 @@ def analyze(file: File, json: Json = False, out: Out = None) -> int:
     with staging(out) as stage:
         if stage is not None:
             (stage / "analysis.json").write_text(dumps(found.json()), encoding="utf-8")
+            if found.cables is not None:
+                found.cables.write(stage / "cables.csv")
     if json:
         emit(found.json())
     return 0
@@ -105,9 +110,11 @@ def conditions(
 @guarded
 def balance(file: File, json: Json = False, out: Out = None) -> int:
     """The best values of all unknowns at the geometry of the file."""
-    from equipoise.solving import balanced, solvable_problem
+    from equipoise.solving import balanced, served, solvable_problem
 
     problem = solvable_problem(file, "balance")
+    if problem.cases and not problem.bounds:
+        return _serve(*served(problem, None, None), problem, json, out, full=False)
     return _answer(balanced(problem), problem, json, out, stopped=False)
 
 
@@ -127,9 +134,11 @@ def shape(
     norm: Annotated[str | None, typer.Option("--norm", help="Norm of the map: rms, peak or mean.")] = None,
 ) -> int:
     """Geometry within its bounds and all unknowns together."""
-    from equipoise.solving import shaped, solvable_problem
+    from equipoise.solving import served, shaped, solvable_problem
 
     problem = solvable_problem(file, "shape")
+    if problem.cases and not over:
+        return _serve(*served(problem, seed, starts), problem, json, out, full=False)
     if not problem.bounds:
         raise InputError(
             "no geometry is free",
@@ -150,9 +159,11 @@ def shape(
 @guarded
 def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, starts: Starts = None) -> int:
     """Shape (or balance), verify and report in one go."""
-    from equipoise.solving import balanced, shaped, solvable_problem
+    from equipoise.solving import balanced, served, shaped, solvable_problem
 
     problem = solvable_problem(file, "design")
+    if problem.cases:
+        return _serve(*served(problem, seed, starts), problem, json, out or _default_out(problem), full=True)
     found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
     return _reported(found, problem, json, out or _default_out(problem), stopped)
 
@@ -215,7 +226,7 @@ def reproduce(
     """The papers' printed numbers, ours beside them, and a verdict for each."""
     from equipoise.verbs.reproduce import reproduce as run
 
-    found = run(paper, progress=lambda slug: say(f"recomputing {slug}"))
+    found = run(paper, workers=os.cpu_count() or 1, progress=lambda slug: say(f"recomputing {slug}"))
     with staging(out) as stage:
         written = [path for one in found for path in (one.write(stage) if stage is not None else [])]
     if json:
@@ -301,6 +312,46 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
         say(f"stopped during verification and report; the design is in {out / 'design.json'}")
         return STOPPED
     return _conclude(found, json, stopped, [*_written(out, found), f"report      {out / 'report.html'}"])
+
+
+def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Path | None, *, full: bool) -> int:
+    """One design for several cases: verified in each, reported in the hardest, a folder for every case."""
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.verbs.report import report as write_report
+    from equipoise.verbs.verify import insist
+    from equipoise.verbs.verify import verify as run
+
+    designs = list(found.designs)
+    with staging(out) as stage:
+        for index, design in enumerate(found.designs):
+            folder = f"case_{index + 1}"
+            designs[index] = _told(design, problem, None if out is None else out / folder)
+            if full and stage is not None:
+                (stage / folder).mkdir()
+                designs[index] = run(designs[index], out=stage / folder)
+                _write(designs[index], stage / folder)
+        found = replace(found, designs=tuple(designs))
+        if stage is not None:
+            if full:
+                write_report(_told(designs[found.hardest], problem, out), stage)
+            (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")
+    say("\n".join([str(found), *([] if out is None else [f"design      {out / 'design.json'}"])]))
+    if full and out is not None:
+        say(f"report      {out / 'report.html'}")
+    if json:
+        emit(found.json())
+    if stopped:
+        return STOPPED
+    labelled = list(zip(found.labels, designs, strict=True))
+    reasons = [f"target missed in {label}: {design.missed}" for label, design in labelled if design.missed]
+    try:
+        for design in designs:
+            insist(design)
+    except DisagreementError as error:
+        reasons.append(str(error))
+    for reason in reasons:
+        say(f"error: {reason}")
+    return 1 if reasons else 0
 
 
 def _conclude(found: Design, json: bool, stopped: bool, lines: Sequence[str]) -> int:

@@ -16,6 +16,7 @@ from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
 from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
+from equipoise.cases import Settings
 from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
@@ -26,7 +27,9 @@ from equipoise.sweep import Sweep
 from equipoise.swept import swept_box
 
 if TYPE_CHECKING:
+    from equipoise.cables.behaviour import Behaviour
     from equipoise.machinery import Machine
+    from equipoise.make.synthesis import Part as MadePart
     from equipoise.verification.findings import Verification
 
 
@@ -97,7 +100,9 @@ class Design:
 
     values {name: SI value} and units {name: unit} of the unknowns; geometry {parameter: value} that shape
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
-    whose poses were found between the samples; problem is the file it came from, where there was one.
+    whose poses were found between the samples; problem is the file it came from, where there was one; settings say
+    what is adjusted from case to case, where a design serves several; cables says how a cable platform behaves with
+    its springs, made are the cams and drums cut for them.
     """
 
     mechanism: Mechanism
@@ -117,6 +122,9 @@ class Design:
     refined: int = 0
     verification: Verification | None = None
     problem: Mapping[str, Any] | None = None
+    cables: Behaviour | None = None
+    made: tuple[MadePart, ...] = ()
+    settings: Settings | None = None
 
     @property
     def norm(self) -> str:
@@ -233,6 +241,9 @@ class Design:
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
+            "cables": None if self.cables is None else self.cables.json(),
+            "made": [part.facts() for part in self.made],
+            "settings": self.settings.json() if self.settings else None,
             "cite": self.cite(),
         }
 

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     from equipoise.sweep import Sweep
 
+REMEMBERED = 12
+"""Points whose places are kept for the next who asks."""
+
 
 class Spot(Protocol):
     """A point that no body of the mechanism carries, such as a slider: it says where it is and what carries it."""
@@ -127,6 +130,7 @@ class States:
     rates: Rates | None = None
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
     _placements: dict[int, Placement] = field(default_factory=dict, repr=False)
+    _points: dict[int, tuple[Point, tuple[Array, Array]]] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(mechanism: Mechanism, sweep: Sweep) -> States:
@@ -169,6 +173,14 @@ class States:
         """
         if not isinstance(point, Point):
             return point.locate(self)
+        # Path, law, limits and own mass of a spring ask for the same two points in turn.
+        if id(point) not in self._points:
+            if len(self._points) >= REMEMBERED:
+                del self._points[next(iter(self._points))]
+            self._points[id(point)] = (point, self._point(point))
+        return self._points[id(point)][1]
+
+    def _point(self, point: Point) -> tuple[Array, Array]:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]

@@ -8,6 +8,7 @@ from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
 from equipoise.limits.realisable import realisable
 from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
+from equipoise.limits.spring_index import SpringIndex
 
 __all__ = [
     "Balanced",
@@ -24,6 +25,7 @@ __all__ = [
     "Setting",
     "Slack",
     "Slope",
+    "SpringIndex",
     "Stiffness",
     "Stroke",
     "Tension",

@@ -113,13 +113,14 @@ class CompressionSpring(Helical):
     def faults(self) -> Iterator[Fault]:
         """What cannot be wound, or has no way to go."""
         yield from super().faults()
-        gaps = np.real(np.asarray(self.deflections[0]))
         yield Fault(
             "free length below the shortest working length",
-            gaps <= 0,
-            f"the free length {first_of(np.real(self.free_length)) / MM:.4g} mm leaves no way to go: solid it is "
-            f"{first_of(np.real(self.solid)) / MM:.4g} mm",
+            self.deflections[0],
+            first_of(self.free_length),
+            f"the free length {first_of(self.free_length) / MM:.4g} mm leaves no way to go: solid it is "
+            f"{first_of(self.solid) / MM:.4g} mm",
             "give a longer free length, fewer coils or a thinner wire",
+            "m",
         )
 
     def clauses(self, length: Array) -> Iterator[Clause]:

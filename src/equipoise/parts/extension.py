@@ -134,19 +134,17 @@ class ExtensionSpring(Helical):
     def faults(self) -> Iterator[Fault]:
         """What cannot be wound."""
         yield from super().faults()
-        tension, most = np.real(np.asarray(self.initial_tension)), np.real(np.asarray(self.largest_tension))
+        tension, most = self.initial_tension, self.largest_tension
         yield Fault(
             "initial tension cannot be wound",
-            (tension < 0) | (tension > most * (1 + 1e-9)),
+            coil.smallest(tension, most - tension),
+            max(abs(first_of(most)), 1e-3),
             f"the initial tension {first_of(tension):.4g} N cannot be wound: 0 to {first_of(most):.4g} N for index "
-            f"{first_of(np.real(self.index)):.3g} and {self.strength_words} ({self.coiling} coiling, unsourced)",
+            f"{first_of(self.index):.3g} and Rm {first_of(self.strength) / 1e6:.0f} MPa ({self.coiling} coiling, "
+            "unsourced)",
             "take a thicker wire, a smaller index, or less tension",
+            "N",
         )
-
-    @property
-    def strength_words(self) -> str:
-        """`Rm 1774 MPa`."""
-        return f"Rm {first_of(np.real(self.strength)) / 1e6:.0f} MPa"
 
     def force_of_one(self, length: Array) -> Array:
         """Force (N,), N, in one spring at lengths (N,)."""

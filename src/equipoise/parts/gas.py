@@ -12,11 +12,14 @@ from equipoise.affine import Array
 from equipoise.balancers.laws.charge import ROOM
 from equipoise.balancers.laws.gas import Gas
 from equipoise.balancers.laws.law import Share
+from equipoise.parts.coil import smallest
 from equipoise.parts.helical import first_of
 from equipoise.parts.part import Clause, Fault, Part
 from equipoise.parts.wire import MM
 from equipoise.units import Force, Length, Mass, Number, Temperature
 
+LEAST = 1e-3
+"""Share by which forces must rise, and strokes exceed what they must."""
 NEAR_STROKE = 0.08
 """Up to this stroke, m, forces are measured 5 mm from the ends, above it 10 mm [yeswin_gas]."""
 
@@ -105,27 +108,31 @@ class GasSpring(Part):
 
     def faults(self) -> Iterator[Fault]:
         """What no data sheet says."""
-        f1, f2 = (np.real(np.asarray(value)) for value in (self.f1, self.f2))
+        scale = max(abs(first_of(self.f2)), 1e-3)
         yield Fault(
             "forces in the wrong order",
-            ~((f1 > 0) & (f2 > f1)),
-            f"f1 is {first_of(f1):.4g} N and f2 {first_of(f2):.4g} N, a gas spring has 0 < f1 < f2",
+            smallest(self.f1, self.f2 - self.f1) - LEAST * self.f2,
+            scale,
+            f"f1 is {first_of(self.f1):.4g} N and f2 {first_of(self.f2):.4g} N, a gas spring has 0 < f1 < f2",
             "f1 is measured extended, f2 compressed",
+            "N",
         )
-        stroke, c = np.real(np.asarray(self.stroke)), measuring_distance(self.stroke)
+        stroke = first_of(self.stroke)
         yield Fault(
             "stroke too short",
-            stroke <= 2 * c,
-            f"the stroke {first_of(stroke) / MM:.4g} mm is not longer than twice the distance at which forces are "
-            "measured",
+            self.stroke - (2 + LEAST) * measuring_distance(self.stroke),
+            abs(stroke),
+            f"the stroke {stroke / MM:.4g} mm is not longer than twice the distance at which forces are measured",
             "check the stroke's unit",
+            "m",
         )
         yield Fault(
             "extended length below the stroke",
-            np.real(np.asarray(self.length)) <= stroke,
-            f"the extended length {first_of(np.real(self.length)) / MM:.4g} mm is not above the stroke "
-            f"{first_of(stroke) / MM:.4g} mm",
+            self.length - (1 + LEAST) * self.stroke,
+            abs(stroke),
+            f"the extended length {first_of(self.length) / MM:.4g} mm is not above the stroke {stroke / MM:.4g} mm",
             "give the length between the eyes",
+            "m",
         )
 
     def clauses(self, length: Array) -> Iterator[Clause]:

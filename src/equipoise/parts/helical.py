@@ -69,25 +69,28 @@ class Helical(StraightPart):
 
     def faults(self) -> Iterator[Fault]:
         """What no winder or standard covers."""
-        low, high = (end / MM for end in self.material.range)
-        d, w, n = (np.real(np.asarray(value)) for value in (self.wire, self.index, self.coils))
+        low, high = self.material.range
         yield Fault(
             "wire outside its standard",
-            ~self.material.covers(self.wire),
-            f"wire {first_of(d) / MM:.4g} mm is outside {self.material.name}, whose strength is known for "
-            f"{low:g} to {high:g} mm",
+            coil.smallest(self.wire - low, high - self.wire),
+            high,
+            f"wire {first_of(self.wire) / MM:.4g} mm is outside {self.material.name}, whose strength is known for "
+            f"{low / MM:g} to {high / MM:g} mm",
             "take a size within, or another grade",
+            "m",
         )
         yield Fault(
             "spring index outside 4..20",
-            (w < INDEX[0] * (1 - 1e-9)) | (w > INDEX[1] * (1 + 1e-9)),
-            f"the spring index D / d is {first_of(w):.4g}, it must lie in {INDEX[0]:g}..{INDEX[1]:g}",
+            coil.smallest(self.index - INDEX[0], INDEX[1] - self.index),
+            INDEX[1],
+            f"the spring index D / d is {first_of(self.index):.4g}, it must lie in {INDEX[0]:g}..{INDEX[1]:g}",
             "4 to 15 winds well: change diameter or wire",
         )
         yield Fault(
             "fewer than two coils",
-            n < LEAST_COILS * (1 - 1e-9),
-            f"{first_of(n):.4g} active coils, at least {LEAST_COILS:g} are needed",
+            self.coils - LEAST_COILS,
+            LEAST_COILS,
+            f"{first_of(self.coils):.4g} active coils, at least {LEAST_COILS:g} are needed",
             "use a thinner wire or a smaller coil for the same rate",
         )
 
@@ -102,4 +105,4 @@ class Helical(StraightPart):
 
 def first_of(value: Any) -> float:
     """The first of rows, or the number itself."""
-    return float(np.ravel(value)[0])
+    return float(np.real(np.ravel(value)[0]))

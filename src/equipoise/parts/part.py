@@ -12,15 +12,28 @@ from equipoise.affine import Array
 from equipoise.balancers.laws.law import Law, Share
 from equipoise.errors import InputError
 
+TOLERANCE = 1e-6
+"""Share of its scale by which a part may miss what it needs before it is refused: what `shape` leaves at a bound."""
+
 
 @dataclass(frozen=True)
 class Fault:
-    """Why a part cannot be: reason in words, which rows have it, what was said of the first row, what to do."""
+    """What a part needs to be made: room >= 0, a number or rows, of the size `scale`, in `unit`.
+
+    reason names the fault where the room is negative, said tells it of the first row, hint what to do.
+    """
 
     reason: str
-    rows: Any
+    room: Any
+    scale: float
     said: str
     hint: str
+    unit: str = ""
+
+    @property
+    def rows(self) -> Any:
+        """Which rows have the fault."""
+        return ~(np.real(np.asarray(self.room)) >= -TOLERANCE * self.scale)
 
 
 @dataclass(frozen=True)
@@ -68,7 +81,7 @@ class Part(Law):
         return "working range"
 
     def faults(self) -> Iterator[Fault]:
-        """Every reason for which the part cannot be made, with the rows that have it."""
+        """Every reason for which the part cannot be made, with the room that is left before it."""
         yield from ()
 
     def clauses(self, length: Array) -> Iterator[Clause]:  # noqa: ARG002

@@ -14,6 +14,8 @@ from equipoise.parts.part import Clause, Fault, StraightPart
 from equipoise.parts.wire import MM
 from equipoise.units import Force, Length, Mass, Number, Stiffness
 
+LEAST = 1e-9
+"""The least rate, N/m, and the least length, m."""
 Form = Literal["extension", "compression"]
 
 
@@ -85,29 +87,33 @@ class StockSpring(StraightPart):
         if self.limit is None and self.force is None:
             yield Fault(
                 "no limit",
-                np.array(True),
+                -1.0,
+                1.0,
                 f"spring {self.part} has neither a largest length nor a largest force",
                 "catalogues print one of them: `limit` in m or `force` in N",
             )
             return
-        for name, value, least in (
-            ("rate", self.rate, np.nextafter(0, 1)),
-            ("free_length", self.free_length, np.nextafter(0, 1)),
-            ("initial_tension", self.initial_tension, 0.0),
+        for name, value, least, unit in (
+            ("rate", self.rate, LEAST, "N/m"),
+            ("free_length", self.free_length, LEAST, "m"),
+            ("initial_tension", self.initial_tension, 0.0, "N"),
         ):
-            real = np.real(np.asarray(value))
+            words = name.replace("_", " ")
             yield Fault(
-                f"{name} not positive",
-                ~(real >= least),
-                f"the {name.replace('_', ' ')} of {self.part} is {first_of(real):.4g}",
+                f"{words} not positive",
+                value - least,
+                1.0 if least == 0 else least,
+                f"the {words} of {self.part} is {first_of(value):.4g}",
                 "it must be positive",
+                unit,
             )
-        travel = np.real(np.asarray(self.travel))
         yield Fault(
             "no travel",
-            ~(travel > 0),
-            f"spring {self.part} has no travel: its end is {first_of(travel) / MM:.4g} mm from its free length",
+            self.travel - LEAST,
+            LEAST,
+            f"spring {self.part} has no travel: its end is {first_of(self.travel) / MM:.4g} mm from its free length",
             "check limit, force and form",
+            "m",
         )
 
     def clauses(self, length: Array) -> Iterator[Clause]:

@@ -81,12 +81,14 @@ class ConstantForceSpring(StraightPart):
 
     def faults(self) -> Iterator[Fault]:
         """Strip that could not be rolled flat and back."""
-        t, r = (np.real(np.asarray(value)) for value in (self.thickness, self.radius))
         yield Fault(
             "strip too thick",
-            t > 0.1 * r,
-            f"strip of {first_of(t) / MM:.4g} mm cannot roll to a radius of {first_of(r) / MM:.4g} mm",
+            0.1 * self.radius - self.thickness,
+            abs(first_of(self.radius)),
+            f"strip of {first_of(self.thickness) / MM:.4g} mm cannot roll to a radius of "
+            f"{first_of(self.radius) / MM:.4g} mm",
             "take thinner strip or a larger radius",
+            "m",
         )
 
     def order_line(self) -> str:

@@ -14,6 +14,7 @@ from equipoise.reporting import machinery, phrases, sections, tables
 from equipoise.reporting.markup import Raw, element, image, join, section
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, pictures
+from equipoise.reporting.settings import settings_table
 
 
 def page(design: Design, model: str) -> str:
@@ -28,7 +29,7 @@ def page(design: Design, model: str) -> str:
             *[_picture(one) for one in drawn[1:]],
             *([machinery.motors(design.machine)] if design.machine else []),
             tables.parts(design),
-            adjustments(design),
+            settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),
             sections.basis(design),

@@ -2,6 +2,7 @@
 
 from equipoise.balancers.laws.bspline import BSpline
 from equipoise.balancers.laws.coil import Coil
+from equipoise.balancers.laws.constant_pressure import ConstantPressure
 from equipoise.balancers.laws.cylinder import gas_cylinder
 from equipoise.balancers.laws.gas import Gas
 from equipoise.balancers.laws.hydro_pneumatic import HydroPneumatic
@@ -17,6 +18,7 @@ __all__ = [
     "BSpline",
     "Coil",
     "Constant",
+    "ConstantPressure",
     "Gas",
     "HydroPneumatic",
     "Law",
