@@ -21,6 +21,8 @@ from equipoise.solve.program import Program, Rows, Term
 
 Kind = Literal["static", "dynamic"]
 CLOSE = 1e-9
+ROUNDED = 1e-4
+"""Relative difference of polar moments that rounded coordinates explain; it is told as what is left."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +87,8 @@ def point_masses(
     if found is None:
         raise InfeasibleError(_outside(arm, mass), where="point_masses", hint="put points around the centre of mass")
     if kind == "dynamic":
-        found = _even(np.vstack([static[0], spread]), np.r_[static[1], wanted], mass)
+        nearest = _nearest(arm, wanted, static)
+        found = _even(np.vstack([static[0], spread]), np.r_[static[1], nearest], mass)
         if found is None:
             raise _mended(arm, mass, wanted, static)
     left = wanted - spread @ found
@@ -177,6 +180,15 @@ def _extreme(static: tuple[Array, Array], cost: Array) -> float:
     from scipy.optimize import linprog
 
     return float(linprog(cost, A_eq=static[0], b_eq=static[1], method="highs").fun)
+
+
+def _nearest(arm: Array, wanted: Array, static: tuple[Array, Array]) -> Array:
+    """The polar moment that the points can have, where the body's is off by no more than rounded coordinates."""
+    if arm.shape[1] != 2:
+        return wanted
+    radii = (arm**2).sum(axis=1)
+    inside = np.clip(wanted, _extreme(static, radii), -_extreme(static, -radii))
+    return inside if abs(float(inside[0] - wanted[0])) <= ROUNDED * float(inside[0]) else wanted
 
 
 def _outside(arm: Array, mass: float) -> str:
