@@ -110,10 +110,15 @@ _HOME = {
     "wrench_matrix": "cables",
     "closure": "cables",
     "feasible": "cables",
-    "sag_tension": "cables",
+    "sag_tension": "sag",
+    "Sag": "sag",
     "distribute": "cables",
     "clearance": "cables",
     "stiffness": "cables",
+    "held_stiffness": "cables",
+    "survey": "cables",
+    "behaviour": "cables",
+    "spline_floor": "cables",
     "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
@@ -129,6 +134,10 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "point_masses": "substitution",
+    "substitute": "substitution",
+    "PointMasses": "substitution",
+    "Mesh": "balancers.counter_rotor",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "adjust": "verbs.adjust",
@@ -224,6 +233,7 @@ __all__ = [
     "Machine",
     "MassCap",
     "Mechanism",
+    "Mesh",
     "ModelError",
     "Motion",
     "Mount",
@@ -233,6 +243,7 @@ __all__ = [
     "Platform",
     "Point",
     "PointMass",
+    "PointMasses",
     "Polynomial",
     "Prescribed",
     "Problem",
@@ -240,6 +251,7 @@ __all__ = [
     "Profile",
     "Pulley",
     "Reel",
+    "Sag",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -272,6 +284,7 @@ __all__ = [
     "arm_curve",
     "balance",
     "bearing_forces",
+    "behaviour",
     "by_payload",
     "cable_platform",
     "caspr",
@@ -292,6 +305,7 @@ __all__ = [
     "geometry_map",
     "grade",
     "grades",
+    "held_stiffness",
     "human_leg",
     "iterated_rates",
     "law_curve",
@@ -303,6 +317,7 @@ __all__ = [
     "parallelogram_robot",
     "payload_rule",
     "platform_measure",
+    "point_masses",
     "preferred_sizes",
     "report",
     "reproduce",
@@ -310,7 +325,10 @@ __all__ = [
     "sag_tension",
     "shape",
     "slider_crank",
+    "spline_floor",
     "stiffness",
+    "substitute",
+    "survey",
     "verify",
     "wrench_matrix",
 ]
@@ -330,7 +348,7 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.counter_rotor import CounterRotor
+    from equipoise.balancers.counter_rotor import CounterRotor, Mesh
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
@@ -373,13 +391,16 @@ if TYPE_CHECKING:
     from equipoise.balancers.spring import Spring
     from equipoise.balancers.synthesis import Prescribed
     from equipoise.cables import (
+        behaviour,
         clearance,
         closure,
         distribute,
         equilibria,
         feasible,
-        sag_tension,
+        held_stiffness,
+        spline_floor,
         stiffness,
+        survey,
         wrench_matrix,
     )
     from equipoise.cases import Adjuster, Case, by_payload
@@ -451,7 +472,9 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.sag import Sag, sag_tension
     from equipoise.states import States
+    from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
     from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean

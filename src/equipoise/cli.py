@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -62,6 +63,8 @@ def analyze(file: File, json: Json = False, out: Out = None) -> int:
     with staging(out) as stage:
         if stage is not None:
             (stage / "analysis.json").write_text(dumps(found.json()), encoding="utf-8")
+            if found.cables is not None:
+                found.cables.write(stage / "cables.csv")
     if json:
         emit(found.json())
     return 0
@@ -223,7 +226,7 @@ def reproduce(
     """The papers' printed numbers, ours beside them, and a verdict for each."""
     from equipoise.verbs.reproduce import reproduce as run
 
-    found = run(paper, progress=lambda slug: say(f"recomputing {slug}"))
+    found = run(paper, workers=os.cpu_count() or 1, progress=lambda slug: say(f"recomputing {slug}"))
     with staging(out) as stage:
         written = [path for one in found for path in (one.write(stage) if stage is not None else [])]
     if json:

@@ -11,7 +11,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design, Row
 from equipoise.reporting import phrases
 from equipoise.reporting.markup import Raw, clean, element, join, listing, section, small, table
-from equipoise.reporting.numbers import percent, plain, quantity, shown, sig, sort_out, span
+from equipoise.reporting.numbers import percent, plain, quantity, seen, shown, sig, sort_out, span
 from equipoise.reporting.pathwords import path_words
 from equipoise.reporting.rehearsal import motion_table
 
@@ -49,11 +49,11 @@ def before_after(design: Design) -> Raw:
 def _cells(row: Row, reference: float) -> list[Raw]:
     cells = []
     for norm in ("peak", "rms", "mean"):
-        value = getattr(row, norm)
+        value = seen(getattr(row, norm))
         share = percent(value / reference) if reference > 0 and value >= 1e-9 * reference else "0 %"
         lines = [clean(sig(value)), small(share)]
         if norm == "peak":
-            lines.append(small(f"sampled {sig(row.sample_peak)}"))
+            lines.append(small(f"sampled {sig(seen(row.sample_peak))}"))
         cells.append(join(lines))
     return cells
 
