@@ -132,6 +132,7 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
     "PointMasses": "substitution",
@@ -320,6 +321,7 @@ __all__ = [
     "rrr3",
     "sag_tension",
     "shape",
+    "side_by_side",
     "slider_crank",
     "spline_floor",
     "stiffness",
@@ -480,4 +482,5 @@ if TYPE_CHECKING:
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
+    from equipoise.verbs.side_by_side import side_by_side
     from equipoise.verbs.verify import verify
