@@ -125,6 +125,8 @@ _HOME = {
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "human_leg": "models.human_leg",
+    "five_bar": "models.five_bar",
+    "delta": "models.delta",
     "rrr3": "models.rrr3",
     "platform_measure": "models.rrr3",
     "slider_crank": "models.slider_crank",
@@ -291,12 +293,14 @@ __all__ = [
     "clearance",
     "closure",
     "conditions",
+    "delta",
     "distribute",
     "equilibria",
     "exact_mean",
     "exact_rate",
     "exact_rate_zero_free_length",
     "feasible",
+    "five_bar",
     "four_bar",
     "gas_cylinder",
     "geometry_map",
@@ -447,6 +451,8 @@ if TYPE_CHECKING:
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
+    from equipoise.models.delta import delta
+    from equipoise.models.five_bar import five_bar
     from equipoise.models.four_bar import four_bar
     from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
