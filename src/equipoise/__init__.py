@@ -110,16 +110,23 @@ _HOME = {
     "wrench_matrix": "cables",
     "closure": "cables",
     "feasible": "cables",
-    "sag_tension": "cables",
+    "sag_tension": "sag",
+    "Sag": "sag",
     "distribute": "cables",
     "clearance": "cables",
     "stiffness": "cables",
+    "held_stiffness": "cables",
+    "survey": "cables",
+    "behaviour": "cables",
+    "spline_floor": "cables",
     "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "human_leg": "models.human_leg",
+    "five_bar": "models.five_bar",
+    "delta": "models.delta",
     "rrr3": "models.rrr3",
     "platform_measure": "models.rrr3",
     "slider_crank": "models.slider_crank",
@@ -127,6 +134,11 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "side_by_side": "verbs.side_by_side",
+    "point_masses": "substitution",
+    "substitute": "substitution",
+    "PointMasses": "substitution",
+    "Mesh": "balancers.counter_rotor",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "adjust": "verbs.adjust",
@@ -226,6 +238,7 @@ __all__ = [
     "Machine",
     "MassCap",
     "Mechanism",
+    "Mesh",
     "ModelError",
     "Motion",
     "Mount",
@@ -236,6 +249,7 @@ __all__ = [
     "Platform",
     "Point",
     "PointMass",
+    "PointMasses",
     "Polynomial",
     "Prescribed",
     "Problem",
@@ -243,6 +257,7 @@ __all__ = [
     "Profile",
     "Pulley",
     "Reel",
+    "Sag",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -276,6 +291,7 @@ __all__ = [
     "arm_curve",
     "balance",
     "bearing_forces",
+    "behaviour",
     "by_payload",
     "cable_platform",
     "caspr",
@@ -283,17 +299,20 @@ __all__ = [
     "clearance",
     "closure",
     "conditions",
+    "delta",
     "distribute",
     "equilibria",
     "exact_mean",
     "exact_rate",
     "exact_rate_zero_free_length",
     "feasible",
+    "five_bar",
     "four_bar",
     "gas_cylinder",
     "geometry_map",
     "grade",
     "grades",
+    "held_stiffness",
     "human_leg",
     "iterated_rates",
     "law_curve",
@@ -305,14 +324,19 @@ __all__ = [
     "parallelogram_robot",
     "payload_rule",
     "platform_measure",
+    "point_masses",
     "preferred_sizes",
     "report",
     "reproduce",
     "rrr3",
     "sag_tension",
     "shape",
+    "side_by_side",
     "slider_crank",
+    "spline_floor",
     "stiffness",
+    "substitute",
+    "survey",
     "verify",
     "wrench_matrix",
 ]
@@ -332,7 +356,7 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.counter_rotor import CounterRotor
+    from equipoise.balancers.counter_rotor import CounterRotor, Mesh
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
@@ -378,13 +402,16 @@ if TYPE_CHECKING:
     from equipoise.balancers.spring import Spring
     from equipoise.balancers.synthesis import Prescribed
     from equipoise.cables import (
+        behaviour,
         clearance,
         closure,
         distribute,
         equilibria,
         feasible,
-        sag_tension,
+        held_stiffness,
+        spline_floor,
         stiffness,
+        survey,
         wrench_matrix,
     )
     from equipoise.cases import Adjuster, Case, by_payload
@@ -433,6 +460,8 @@ if TYPE_CHECKING:
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
+    from equipoise.models.delta import delta
+    from equipoise.models.five_bar import five_bar
     from equipoise.models.four_bar import four_bar
     from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -454,7 +483,9 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.sag import Sag, sag_tension
     from equipoise.states import States
+    from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
     from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
@@ -466,4 +497,5 @@ if TYPE_CHECKING:
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
+    from equipoise.verbs.side_by_side import side_by_side
     from equipoise.verbs.verify import verify

@@ -29,6 +29,9 @@ def check(problem: Problem) -> None:
     with problem.at("sweep"):
         few = problem.sweep.at(problem.sweep.coordinates[:PROBES])
         states = mechanism.states(few)
+    if problem.trajectory is not None:
+        with problem.at("trajectory"):
+            mechanism.states(problem.trajectory.at(problem.trajectory.coordinates[:PROBES]))
     for index in range(len(balancers)):
         with problem.at("balancers", index):
             assemble.check(mechanism, balancers[: index + 1])

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from equipoise.states import States
     from equipoise.sweep import Sweep
 
+MASSLESS = 1e-12
+"""kg, more than the trace that MuJoCo wants of a body without mass."""
 ANSWERED = ("hold", "drive", "force", "moment", "mass", "energy", "storage")
 """What mechanism and balancers answer of a state."""
 
@@ -39,13 +41,16 @@ class Platform:
     """What cables hold: its reference point, the rows of its wrench, the length that makes moments comparable.
 
     rows S (n, 6) pick the wrench from (F, M) in world axes at the point, n the number of driven joints; length in
-    m divides the moments of the resultant; cables are the names of the tendons that hold it.
+    m divides the moments of the resultant; cables are the names of the tendons that hold it; t_min and t_max, N, are
+    the tensions that each of them may have.
     """
 
     point: Point
     rows: tuple[tuple[float, ...], ...]
     length: float
     cables: tuple[str, ...] = ()
+    t_min: tuple[float, ...] = ()
+    t_max: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,8 +174,8 @@ class Mechanism:
 
     @property
     def mass(self) -> float:
-        """Total mass, kg."""
-        return float(self.model.body_mass.sum())
+        """Total mass, kg, without the traces that bodies of no mass carry."""
+        return float(self.model.body_mass[self.model.body_mass > MASSLESS].sum())
 
     def forward(self, q: Array, velocity: Array | None, names: Sequence[str]) -> list[Array]:
         """Fields (N, ...) that MuJoCo computes of postures q (N, nq) at velocities (N, nv), on all cores.

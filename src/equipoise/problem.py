@@ -40,7 +40,8 @@ class ProblemFile:
     starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; adjust {parameter: [low, high]} is
     set anew for every payload or case, null leaves an unknown its natural bounds; cases list mechanisms that one
     design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is how the base leans; make
-    lists cams and drums that `equipoise make` cuts.
+    lists cams and drums that `equipoise make` cuts; trajectory, a motion or poses in order, is what a cable
+    platform's motors are judged on.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -57,6 +58,7 @@ class ProblemFile:
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()
+    trajectory: Annotated[Any, SWEEP] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +90,18 @@ class Problem:
         with self.at("sweep"):
             if later is None:
                 return Sweep.sobol(self.mechanism)
+            self._joint_units(later)
+            return later(self.mechanism)
+
+    @functools.cached_property
+    def trajectory(self) -> Sweep | None:
+        """What the motors of a cable platform follow."""
+        later = self.content.trajectory
+        if later is None:
+            return None
+        with self.at("trajectory"):
+            if self.mechanism.platform is None or not self.mechanism.platform.cables:
+                raise InputError(f"{self.mechanism.name} has no cables, a trajectory says nothing of it")
             self._joint_units(later)
             return later(self.mechanism)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from equipoise.console import Interrupts, progress_bar, say
@@ -45,7 +46,7 @@ def found_design(file: str, verb: str) -> tuple[Design, Problem, bool]:
     """The design that a file holds, or that its problem leads to; whether Ctrl-C cut the search short."""
     target = _solvable(_target(file), file, verb)
     if target.design is not None:
-        return target.design, target.problem, False
+        return _behaving(target.design, target.problem), target.problem, False
     if target.problem.cases:
         served_all, stopped = served(target.problem, None, None)
         return served_all.designs[served_all.hardest], target.problem, stopped
@@ -98,9 +99,22 @@ def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adju
 def balanced(problem: Problem) -> Design:
     """All unknowns at the geometry of the file."""
     with problem.at_names():
-        return verbs_balance.balance(
-            problem.mechanism, problem.balancers, problem.sweep, objective=problem.objective, limits=problem.limits
+        return _behaving(
+            verbs_balance.balance(
+                problem.mechanism, problem.balancers, problem.sweep, objective=problem.objective, limits=problem.limits
+            ),
+            problem,
         )
+
+
+def _behaving(design: Design, problem: Problem) -> Design:
+    """The design with how a cable platform behaves, where it is one."""
+    platform = design.mechanism.platform
+    if platform is None or not platform.cables:
+        return design
+    from equipoise.cables.behaviour import behaviour
+
+    return replace(design, cables=behaviour(design, problem.trajectory))
 
 
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:
@@ -121,4 +135,4 @@ def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Desi
         )
     if interrupts.hit:
         say(f"the search was stopped by hand: the best of {found.certificate.starts} starts")
-    return found, interrupts.hit
+    return _behaving(found, problem), interrupts.hit

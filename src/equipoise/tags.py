@@ -77,6 +77,8 @@ from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
+from equipoise.models.delta import delta
+from equipoise.models.five_bar import five_bar
 from equipoise.models.four_bar import four_bar
 from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -94,7 +96,9 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "parallelogram_robot": parallelogram_robot,
     "human_leg": human_leg,
     "four_bar": four_bar,
+    "five_bar": five_bar,
     "rrr3": rrr3,
+    "delta": delta,
     "slider_crank": slider_crank,
     "cable_platform": cable_platform,
     "caspr": caspr,
