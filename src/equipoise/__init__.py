@@ -134,6 +134,7 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
     "PointMasses": "substitution",
@@ -169,6 +170,9 @@ _HOME = {
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
+    "Pinion": "balancers.paths",
+    "ConstantTorque": "balancers.paths",
+    "Weight": "balancers.laws",
 }
 
 __all__ = [
@@ -197,6 +201,7 @@ __all__ = [
     "ConstantForceCam",
     "ConstantForceSpring",
     "ConstantPressure",
+    "ConstantTorque",
     "Convex",
     "CounterRotor",
     "Counterweight",
@@ -239,6 +244,7 @@ __all__ = [
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pinion",
     "Plate",
     "Platform",
     "Point",
@@ -273,6 +279,7 @@ __all__ = [
     "TorsionSpring",
     "Transmission",
     "Unknown",
+    "Weight",
     "WindUp",
     "Winding",
     "WireMass",
@@ -324,6 +331,7 @@ __all__ = [
     "rrr3",
     "sag_tension",
     "shape",
+    "side_by_side",
     "slider_crank",
     "spline_floor",
     "stiffness",
@@ -363,6 +371,7 @@ if TYPE_CHECKING:
         Nitrogen,
         Polynomial,
         Torsion,
+        Weight,
         WireMass,
         ZeroFreeLength,
         gas_cylinder,
@@ -373,12 +382,14 @@ if TYPE_CHECKING:
         Cable,
         Cam,
         ConstantEnergy,
+        ConstantTorque,
         Drum,
         FourBar,
         Gear,
         InvertedSliderCrank,
         Line,
         Mount,
+        Pinion,
         Profile,
         Pulley,
         Reel,
@@ -486,4 +497,5 @@ if TYPE_CHECKING:
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
+    from equipoise.verbs.side_by_side import side_by_side
     from equipoise.verbs.verify import verify
