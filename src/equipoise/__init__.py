@@ -125,6 +125,8 @@ _HOME = {
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "human_leg": "models.human_leg",
+    "five_bar": "models.five_bar",
+    "delta": "models.delta",
     "rrr3": "models.rrr3",
     "platform_measure": "models.rrr3",
     "slider_crank": "models.slider_crank",
@@ -132,6 +134,11 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "side_by_side": "verbs.side_by_side",
+    "point_masses": "substitution",
+    "substitute": "substitution",
+    "PointMasses": "substitution",
+    "Mesh": "balancers.counter_rotor",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "adjust": "verbs.adjust",
@@ -163,6 +170,9 @@ _HOME = {
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
+    "Pinion": "balancers.paths",
+    "ConstantTorque": "balancers.paths",
+    "Weight": "balancers.laws",
 }
 
 __all__ = [
@@ -191,6 +201,7 @@ __all__ = [
     "ConstantForceCam",
     "ConstantForceSpring",
     "ConstantPressure",
+    "ConstantTorque",
     "Convex",
     "CounterRotor",
     "Counterweight",
@@ -227,15 +238,18 @@ __all__ = [
     "Machine",
     "MassCap",
     "Mechanism",
+    "Mesh",
     "ModelError",
     "Motion",
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pinion",
     "Plate",
     "Platform",
     "Point",
     "PointMass",
+    "PointMasses",
     "Polynomial",
     "Prescribed",
     "Problem",
@@ -265,6 +279,7 @@ __all__ = [
     "TorsionSpring",
     "Transmission",
     "Unknown",
+    "Weight",
     "WindUp",
     "Winding",
     "WireMass",
@@ -284,12 +299,14 @@ __all__ = [
     "clearance",
     "closure",
     "conditions",
+    "delta",
     "distribute",
     "equilibria",
     "exact_mean",
     "exact_rate",
     "exact_rate_zero_free_length",
     "feasible",
+    "five_bar",
     "four_bar",
     "gas_cylinder",
     "geometry_map",
@@ -307,15 +324,18 @@ __all__ = [
     "parallelogram_robot",
     "payload_rule",
     "platform_measure",
+    "point_masses",
     "preferred_sizes",
     "report",
     "reproduce",
     "rrr3",
     "sag_tension",
     "shape",
+    "side_by_side",
     "slider_crank",
     "spline_floor",
     "stiffness",
+    "substitute",
     "survey",
     "verify",
     "wrench_matrix",
@@ -336,7 +356,7 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.counter_rotor import CounterRotor
+    from equipoise.balancers.counter_rotor import CounterRotor, Mesh
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
@@ -351,6 +371,7 @@ if TYPE_CHECKING:
         Nitrogen,
         Polynomial,
         Torsion,
+        Weight,
         WireMass,
         ZeroFreeLength,
         gas_cylinder,
@@ -361,12 +382,14 @@ if TYPE_CHECKING:
         Cable,
         Cam,
         ConstantEnergy,
+        ConstantTorque,
         Drum,
         FourBar,
         Gear,
         InvertedSliderCrank,
         Line,
         Mount,
+        Pinion,
         Profile,
         Pulley,
         Reel,
@@ -437,6 +460,8 @@ if TYPE_CHECKING:
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
+    from equipoise.models.delta import delta
+    from equipoise.models.five_bar import five_bar
     from equipoise.models.four_bar import four_bar
     from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -460,6 +485,7 @@ if TYPE_CHECKING:
     from equipoise.problem import Problem, load_problem
     from equipoise.sag import Sag, sag_tension
     from equipoise.states import States
+    from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
     from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
@@ -471,4 +497,5 @@ if TYPE_CHECKING:
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
+    from equipoise.verbs.side_by_side import side_by_side
     from equipoise.verbs.verify import verify

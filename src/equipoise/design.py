@@ -331,18 +331,18 @@ def _rotor_part(design: Design, rotor: Any) -> dict[str, Any]:
         "ends": [{"body": rotor.at.body, "at": [float(v) for v in rotor.at.at]}],
     }
     if design.states.rates is not None:
-        torque = rotor.mesh_torque(design.states, design.values)
-        part["mesh_torque"] = [float(torque.min()), float(torque.max())]
+        meshes = rotor.meshes(design.states, design.values)
+        own = meshes[0]
+        part["mesh_torque"] = [float(own.torque.min()), float(own.torque.max())]
         if design.sweep.instants is not None:
-            part["torque_reversals"] = reversals(torque)
-        part["preload"] = float(max(0.0, min(torque.max(), -torque.min())))
+            part["torque_reversals"] = own.reversals
+        part["preload"] = own.preload
+        part["meshes"] = [
+            {"name": mesh.name, "torque": float(np.abs(mesh.torque).max()), "preload": mesh.preload}
+            | ({"reversals": mesh.reversals} if design.sweep.instants is not None else {})
+            for mesh in meshes
+        ]
     return part
-
-
-def reversals(torque: np.ndarray) -> int:
-    """How often a torque over time (N,) changes its sign; what is rounding does not count."""
-    signs = np.sign(torque[np.abs(torque) > 1e-9 * max(float(np.abs(torque).max(initial=0.0)), 1e-300)])
-    return int((np.diff(signs) != 0).sum())
 
 
 def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:
