@@ -76,6 +76,8 @@ def test_the_problem_itself_is_good(problem, capsys):
         ("length: 500 mm", "length: .nan", 4, ["not a finite number"]),
         ("[-90 deg, 90 deg, 19]", "[-90 mm, 90 mm, 19]", 5, ["hinge", "angle"]),
         ("[-90 deg, 90 deg, 19]", "[-90 deg, 90 deg, 0]", 5, ["not a number of points"]),
+        ("{grid: {arm_joint: [-90 deg, 90 deg, 19]}}", "{sobol: 64, seed: -1}", 5, ["seed is -1", "at least 0"]),
+        ("{grid: {arm_joint: [-90 deg, 90 deg, 19]}}", "{sobol: 99999999999}", 5, ["99999999999 rows", "fewer"]),
         ("{grid: {arm_joint: [-90 deg, 90 deg, 19]}}", "{grid: {}}", 5, ["names no joint"]),
         ("{grid: {arm_joint: [-90 deg, 90 deg, 19]}}", "{poses: []}", 5, ["no poses"]),
         ("{grid: {arm_joint: [-90 deg, 90 deg, 19]}}", "{poses: none.csv}", 5, ["none.csv"]),

@@ -54,6 +54,9 @@ LAWS = {
     "coil_free_length_unknown": eq.Coil(free_length=None),
     "coil_all_unknown": eq.Coil(free_length=None, initial_tension=None),
     "constant": eq.Constant(),
+    "weight": eq.Weight(),
+    "constant_pressure": eq.ConstantPressure(3e-4),
+    "constant_pressure_given": eq.ConstantPressure(3e-4, 4e5, "pull", "absolute"),
     "gas_push": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4),
     "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
     "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),
@@ -67,6 +70,13 @@ LAWS = {
     "bspline": eq.BSpline((0.05, 1.6), pieces=4),
     "polynomial": eq.Polynomial((0.05, 1.6), degree=5),
     "polynomial_given": eq.Polynomial((0.05, 1.6), degree=2, coefficients=(30.0, 8.0, -2.0)),
+    "extension_spring": eq.ExtensionSpring(0.003, 0.03, 40.0, initial_tension=20.0, number=2.0, leader=0.01),
+    "extension_spring_302": eq.ExtensionSpring(0.0024, 0.03, 40.0, grade="ASTM A313 302", free_length=0.3),
+    "compression_spring": eq.CompressionSpring(0.004, 0.05, 20.0, free_length=0.6, number=3.0),
+    "compression_spring_guided": eq.CompressionSpring(0.004, 0.05, 20.0, free_length=0.6, seating=None),
+    "gas_spring": eq.GasSpring(200.0, 260.0, stroke=0.5, length=0.9, friction=15.0, temperature=303.15),
+    "constant_force_spring": eq.ConstantForceSpring(0.02, 2e-4, 0.0125, travel=0.5),
+    "stock_spring": eq.StockSpring("S", 400.0, 0.2, limit=0.6, force=150.0, initial_tension=8.0, number=2.0),
 }
 TORQUES = {
     **{name: LAWS[name] for name in ("zero_free_length", "linear", "linear_preload_given", "constant")},
@@ -74,6 +84,7 @@ TORQUES = {
     "torsion_rest_unknown": eq.Torsion(rest=None),
     "torsion_preload_unknown": eq.Torsion(rest=0.4, preload=None),
     "torsion_given": eq.Torsion(k=3.0, rest=-0.2, preload=1.5),
+    "torsion_spring": eq.TorsionSpring(0.005, 0.05, 8.0, rest=-0.3, number=2.0),
     "polynomial": eq.Polynomial((-9.0, 9.0), degree=4),
 }
 PATHS = {
@@ -115,6 +126,7 @@ DRIVEN = {
     "inverted_with_rod": lambda m: eq.InvertedSliderCrank(
         geared(m), 0.1, 0.3, rod=0.55, phase=0.5, mount=standing(m), crank_mass=0.4, rod_mass=0.6, rod_com=0.25
     ),
+    "fusee": lambda m: eq.Cam(geared(m), eq.ConstantTorque(0.06, 0.04), offset=0.2, mount=standing(m)),
     "cam_constant_energy": lambda m: eq.Cam(
         geared(m), eq.ConstantEnergy(0.06, 0.8), offset=0.2, mount=standing(m), follower_mass=0.7
     ),
@@ -347,6 +359,7 @@ LIMITS = {
     "stiffness": lambda: eq.Stiffness("b", max=2000.0, min=5.0),
     "elongation": lambda: eq.Elongation("b", max=1.0, min=0.05),
     "extension": lambda: eq.Extension("b", max=0.2),
+    "spring_index": lambda: eq.SpringIndex("b", min=4.0, max=15.0, diameter=0.04, coils=60.0),
     "force_over": lambda: eq.Force("b", max=300.0, min=10.0, over=(0.1, 0.9)),
     "slope": lambda: eq.Slope("b", (0.1, 0.9), min=5.0),
     "curvature": lambda: eq.Curvature("b", (0.1, 0.9), max=50.0),
@@ -369,8 +382,8 @@ def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
     mech, states, _, _ = posed["spatial"]
     part = eq.Spring("b", PATHS["between"](mech), LIMITED[law])
     curved = law == "gas" and limit in ("force_over", "slope", "curvature", "convex")
-    if curved or (law != "coil" and limit in ("elongation", "extension")):
-        with pytest.raises(eq.InputError, match="is no (polynomial|coil)"):
+    if curved or (law != "coil" and limit in ("elongation", "extension", "spring_index")):
+        with pytest.raises(eq.InputError, match=r"is no (polynomial|coil)|has no rate"):
             LIMITS[limit]().rows(Setting({"b": part}, states, lambda poses: effort(mech, [part], states)))
         return
     name, h = "b.path.line.1.x", 1e-6

@@ -19,12 +19,16 @@ from equipoise.limits import Limit, MassCap, Setting, implied, realisable
 from equipoise.mechanism import Mechanism
 from equipoise.objective import ORIGIN, Aim, goal_blocks, joint_goal, pole_of
 from equipoise.platform import resultant
+from equipoise.regressor import free_states
 from equipoise.solve.program import Program
 from equipoise.states import States, skew
 from equipoise.sweep import Sweep
 
 SUMMED = ("hold", "wrench")
 """Goals whose rms and residual over very many states are summed in chunks."""
+
+FREE = 48
+"""Random admissible states, at least, that stand for all motions."""
 
 Balancer = Spring | Counterweight | CounterRotor | Flywheel
 
@@ -159,11 +163,8 @@ def build(
             balancer.check_span(states)
     unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
 
-    def hold_at(poses: Array) -> Affine:
-        return effort(mechanism, balancers, mechanism.states(sweep.at_poses(poses)))
-
     _insist_on_caps(balancers, objective, limits)
-    setting = Setting({balancer.name: balancer for balancer in balancers}, states, hold_at)
+    setting = setting_of(mechanism, balancers, sweep, states)
     rows = [row for limit in limits for row in limit.rows(setting)]
     rows += implied(balancers, setting)
     terms = []
@@ -177,6 +178,19 @@ def build(
         terms.append(aim.term(mechanism, whole, states.weight, bare))
     definite = tuple(one.expand(unknowns) for one in realisable(balancers))
     return Program(unknowns, tuple(terms), tuple(row.expand(unknowns) for row in rows), definite)
+
+
+def setting_of(mechanism: Mechanism, balancers: Sequence[Balancer], sweep: Sweep, states: States) -> Setting:
+    """What limits may ask of a mechanism with its balancers."""
+
+    def hold_at(poses: Array) -> Affine:
+        return effort(mechanism, balancers, mechanism.states(sweep.at_poses(poses)))
+
+    def momentum(goal: str) -> Affine:
+        columns = sum(len(balancer.unknowns) for balancer in balancers)
+        return effort(mechanism, balancers, free_states(mechanism, sweep, max(FREE, columns)), goal)
+
+    return Setting({balancer.name: balancer for balancer in balancers}, states, hold_at, momentum)
 
 
 def _insist_on_caps(balancers: Sequence[Balancer], objective: Sequence[Aim], limits: Sequence[Limit]) -> None:

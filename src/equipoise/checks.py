@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from equipoise import assemble
-from equipoise.affine import Affine, Array
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
-from equipoise.limits import ExactAt, Setting
+from equipoise.limits import ExactAt
 from equipoise.objective import Aim
 from equipoise.parameters import read, write
 from equipoise.states import States
@@ -32,22 +31,23 @@ def check(problem: Problem) -> None:
         states = mechanism.states(few)
     if problem.content.discover is not None:
         _discover(problem)
+    if problem.trajectory is not None:
+        with problem.at("trajectory"):
+            mechanism.states(problem.trajectory.at(problem.trajectory.coordinates[:PROBES]))
     for index in range(len(balancers)):
         with problem.at("balancers", index):
             assemble.check(mechanism, balancers[: index + 1])
     for index, balancer in enumerate(balancers):
         if isinstance(balancer, Spring) and not any(
-            name.startswith(f"{balancer.name}.path") for name in problem.bounds
+            name.startswith(f"{balancer.name}.path") for name in (*problem.bounds, *problem.adjusters)
         ):
             with problem.at("balancers", index):
                 _moves(balancer, states)
-                if not any(name.startswith(f"{balancer.name}.law") for name in problem.bounds):
+                moved = (*problem.bounds, *problem.adjusters)
+                if not any(name.startswith(f"{balancer.name}.law") for name in moved):
                     balancer.check_span(states)
 
-    def hold_at(poses: Array) -> Affine:
-        return assemble.effort(mechanism, balancers, mechanism.states(few.at_poses(poses)))
-
-    setting = Setting({balancer.name: balancer for balancer in balancers}, states, hold_at)
+    setting = assemble.setting_of(mechanism, balancers, few, states)
     for index, limit in enumerate(problem.limits):
         with problem.at("limits", index):
             if isinstance(limit, ExactAt):
@@ -77,8 +77,10 @@ def _discover(problem: Problem) -> None:
 def _opened(problem: Problem) -> tuple[Any, ...]:
     """The balancers with parameters that `shape` finds and the file leaves out in the middle of their bounds."""
     middle = {}
-    for name, (low, high) in problem.bounds.items():
-        with problem.at("shape", name):
+    unknowns = {unknown.name for balancer in problem.balancers for unknown in balancer.unknowns}
+    ranged = [("adjust", name, pair) for name, pair in problem.adjusters.items() if pair and name not in unknowns]
+    for block, name, (low, high) in [*(("shape", name, pair) for name, pair in problem.bounds.items()), *ranged]:
+        with problem.at(block, name):
             if low >= high:
                 raise InputError(
                     f"the bounds are reversed or equal: [{low:g}, {high:g}]",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,15 +16,20 @@ from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
 from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
+from equipoise.cases import Settings
 from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim, pole_of
+from equipoise.parts import Part
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.swept import swept_box
 
 if TYPE_CHECKING:
+    from equipoise.cables.behaviour import Behaviour
+    from equipoise.machinery import Machine
+    from equipoise.make.synthesis import Part as MadePart
     from equipoise.verification.findings import Verification
 
 
@@ -94,7 +100,9 @@ class Design:
 
     values {name: SI value} and units {name: unit} of the unknowns; geometry {parameter: value} that shape
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
-    whose poses were found between the samples; problem is the file it came from, where there was one.
+    whose poses were found between the samples; problem is the file it came from, where there was one; settings say
+    what is adjusted from case to case, where a design serves several; cables says how a cable platform behaves with
+    its springs, made are the cams and drums cut for them.
     """
 
     mechanism: Mechanism
@@ -114,6 +122,9 @@ class Design:
     refined: int = 0
     verification: Verification | None = None
     problem: Mapping[str, Any] | None = None
+    cables: Behaviour | None = None
+    made: tuple[MadePart, ...] = ()
+    settings: Settings | None = None
 
     @property
     def norm(self) -> str:
@@ -176,6 +187,15 @@ class Design:
         rows = order  # scenarios follow one another; the law is that of the first
         return wheel.law(instants.time[rows], moment[rows], momentum[rows])
 
+    @cached_property
+    def machine(self) -> tuple[Machine, Machine] | None:
+        """Motors and bearings over the motion, before and after; None for poses at rest."""
+        from equipoise.machinery import machine
+
+        before = machine(self.mechanism, self.sweep, self.states)
+        after = machine(self.mechanism, self.sweep, self.states, self.balancers, self.values)
+        return (before, after) if before and after else None
+
     @property
     def missed(self) -> str:
         """Why `objective.target` is missed, or nothing."""
@@ -200,6 +220,9 @@ class Design:
             "norm": self.norm,
             "before": {name: row.json() for name, row in self.before.items()},
             "after": {name: row.json() for name, row in self.after.items()},
+            "machine": dict(zip(("before", "after"), (one.json() for one in self.machine), strict=True))
+            if self.machine
+            else None,
             "certificate": {
                 "kind": certificate.kind,
                 "primal": certificate.primal,
@@ -218,6 +241,9 @@ class Design:
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
+            "cables": None if self.cables is None else self.cables.json(),
+            "made": [part.facts() for part in self.made],
+            "settings": self.settings.json() if self.settings else None,
             "cite": self.cite(),
         }
 
@@ -275,6 +301,7 @@ def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
         "force": [float(force.min()), float(force.max())],
         "energy": [float(energy.min()), float(energy.max())],
         "mass": float(spring.own_mass),
+        **(spring.law.record(length) if isinstance(spring.law, Part) else {}),
     }
 
 
@@ -304,18 +331,18 @@ def _rotor_part(design: Design, rotor: Any) -> dict[str, Any]:
         "ends": [{"body": rotor.at.body, "at": [float(v) for v in rotor.at.at]}],
     }
     if design.states.rates is not None:
-        torque = rotor.mesh_torque(design.states, design.values)
-        part["mesh_torque"] = [float(torque.min()), float(torque.max())]
+        meshes = rotor.meshes(design.states, design.values)
+        own = meshes[0]
+        part["mesh_torque"] = [float(own.torque.min()), float(own.torque.max())]
         if design.sweep.instants is not None:
-            part["torque_reversals"] = reversals(torque)
-        part["preload"] = float(max(0.0, min(torque.max(), -torque.min())))
+            part["torque_reversals"] = own.reversals
+        part["preload"] = own.preload
+        part["meshes"] = [
+            {"name": mesh.name, "torque": float(np.abs(mesh.torque).max()), "preload": mesh.preload}
+            | ({"reversals": mesh.reversals} if design.sweep.instants is not None else {})
+            for mesh in meshes
+        ]
     return part
-
-
-def reversals(torque: np.ndarray) -> int:
-    """How often a torque over time (N,) changes its sign; what is rounding does not count."""
-    signs = np.sign(torque[np.abs(torque) > 1e-9 * max(float(np.abs(torque).max(initial=0.0)), 1e-300)])
-    return int((np.diff(signs) != 0).sum())
 
 
 def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:

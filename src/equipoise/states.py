@@ -13,16 +13,13 @@ from equipoise.errors import InputError
 from equipoise.loops import accelerations, ancestors, close_loops, close_motion
 from equipoise.mechanism import Mechanism, Point
 
-ANSWERS = 16
-REMEMBERED = 2_000_000
-"""How many answers to keep, and the numbers above which one is not kept."""
-
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     import mujoco
 
     from equipoise.sweep import Sweep
+
+REMEMBERED = 12
+"""Points whose places are kept for the next who asks."""
 
 
 class Spot(Protocol):
@@ -133,7 +130,7 @@ class States:
     rates: Rates | None = None
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
     _placements: dict[int, Placement] = field(default_factory=dict, repr=False)
-    _answers: dict[int, tuple[Any, Any]] = field(default_factory=dict, repr=False)
+    _points: dict[int, tuple[Point, tuple[Array, Array]]] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(mechanism: Mechanism, sweep: Sweep) -> States:
@@ -154,18 +151,6 @@ class States:
 
     def __len__(self) -> int:
         return len(self.driven)
-
-    def remembered(self, asker: Any, answer: Callable[[], tuple[Array, Array]]) -> tuple[Array, Array]:
-        """What an object, such as a path, was answered about these states; the last few small answers are kept."""
-        kept = self._answers
-        if id(asker) not in kept:
-            found = answer()
-            if sum(part.size for part in found) > REMEMBERED:
-                return found
-            while len(kept) >= ANSWERS:
-                kept.pop(next(iter(kept)))
-            kept[id(asker)] = (asker, found)
-        return kept[id(asker)][1]
 
     def take(self, rows: slice | Indices) -> States:
         """Some of the rows."""
@@ -188,6 +173,14 @@ class States:
         """
         if not isinstance(point, Point):
             return point.locate(self)
+        # Path, law, limits and own mass of a spring ask for the same two points in turn.
+        if id(point) not in self._points:
+            if len(self._points) >= REMEMBERED:
+                del self._points[next(iter(self._points))]
+            self._points[id(point)] = (point, self._point(point))
+        return self._points[id(point)][1]
+
+    def _point(self, point: Point) -> tuple[Array, Array]:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]

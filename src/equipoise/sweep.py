@@ -20,10 +20,13 @@ from equipoise.motion.drivers import Driver
 from equipoise.motion.motion import of_drivers, read_motion
 from equipoise.motion.moves import Free, Moves, Timed, take
 from equipoise.posefile import held, read_columns
+from equipoise.seeding import generator
 from equipoise.units import Joint, Length, Mass, Number, Time, to_si
 
 MAX_POSES = 5_000_000
 INSTANTS = 721
+PROBE = 12
+"""How many random poses must be in reach before more are tried."""
 
 
 @dataclass(frozen=True)
@@ -77,12 +80,7 @@ class Sweep:
             object.__setattr__(self, "scenarios", np.zeros((1, 0)))
         if len(self.poses) == 0:
             raise InputError("the sweep has no poses", where="sweep", hint="give at least one pose")
-        if len(self.poses) * len(self.scenarios) > MAX_POSES:
-            raise InputError(
-                f"the sweep has {len(self.poses) * len(self.scenarios)} rows, the limit is {MAX_POSES}",
-                where="sweep",
-                hint="use fewer points per joint, or sobol",
-            )
+        _few_enough(len(self.poses) * len(self.scenarios))
 
     @staticmethod
     def sobol(
@@ -98,8 +96,9 @@ class Sweep:
 
         if n < 1:
             raise InputError(f"a Sobol sweep needs at least one pose, got {n}", where="sweep.sobol")
+        _few_enough(n * max(1, len(payload)))
         box = _box(mechanism, ranges or {})
-        sampler = qmc.Sobol(len(mechanism.driven), scramble=True, rng=np.random.default_rng(seed))
+        sampler = qmc.Sobol(len(mechanism.driven), scramble=True, rng=generator(seed))
         unit = sampler.random_base2(max(0, math.ceil(math.log2(n))))[:n]
         poses = box[:, 0] + unit * (box[:, 1] - box[:, 0])
         label = f"{n} poses (Sobol, seed {seed})"
@@ -304,31 +303,37 @@ class Sweep:
     ) -> Sweep:
         """n random states that the mechanism admits: poses in the joint limits (or `ranges`), moving in any way.
 
-        What vanishes on them vanishes for all motions. Velocities and accelerations are drawn from -1..1 (rad/s,
-        rad/s^2 or m/s, m/s^2). Poses that the loops do not reach from the reference are left out.
+        What vanishes on them vanishes for all motions, as everything here is analytic in the pose. Velocities and
+        accelerations are drawn from -1..1 (rad/s, rad/s^2 or m/s, m/s^2). Where loops do not reach all poses, these
+        are drawn closer to the reference, until the loops do.
         """
         from equipoise.loops import reachable
 
         if n < 1:
             raise InputError(f"{n} states are no sample", where="sweep.any_motion")
-        box, rng = _box(mechanism, ranges or {}), np.random.default_rng(seed)
+        _few_enough(n * max(1, len(payload)))
+        box, rng = _box(mechanism, ranges or {}), generator(seed)
         centre, kept = held(mechanism), np.zeros((0, len(box)))
-        for shrink in (1.0, 1.0, 0.3, 0.1, 0.03):
+        for shrink in (1.0, 0.4, 0.15, 0.05, 0.02):
             near = centre + shrink * (box - centre[:, None]).T
             poses = near[0] + rng.random((2 * n, len(box))) * (near[1] - near[0])
-            kept = np.vstack([kept, poses[reachable(mechanism, poses)]])
-            if len(kept) >= n:
+            some = poses[:PROBE][reachable(mechanism, poses[:PROBE])]
+            reached = poses[reachable(mechanism, poses)] if len(some) == len(poses[:PROBE]) else some
+            if len(reached) == len(poses):  # a room without walls: its poses also reach each other
+                kept = reached
                 break
+            kept = np.vstack([kept, reached])
         if len(kept) < n:
             raise InputError(
                 f"only {len(kept)} of {n} random poses can be reached by the loops",
                 where="sweep.any_motion",
                 hint="narrow the `ranges` of the driven joints",
             )
+        kept = kept[-n:]
         unit = np.repeat([[-1.0, 1.0]], 2 * len(box), axis=0)
         rates = rng.uniform(-1.0, 1.0, (n, 2 * len(box)))
-        free = Free(np.hstack([kept[:n], rates]), np.vstack([np.stack([kept.min(0), kept.max(0)], 1), unit]))
-        sweep = Sweep(kept[:n], np.ones(n), f"{n} random states (seed {seed})", moves=free)
+        free = Free(np.hstack([kept, rates]), np.vstack([np.stack([kept.min(0), kept.max(0)], 1), unit]))
+        sweep = Sweep(kept, np.ones(n), f"{n} random states (seed {seed})", moves=free)
         return _with_payload(mechanism, sweep, payload)
 
     @property
@@ -403,6 +408,15 @@ def _driven_index(mechanism: Mechanism, joint: str, where: str) -> int:
             hint="driven joints: " + ", ".join(mechanism.driven),
         )
     return mechanism.driven.index(joint)
+
+
+def _few_enough(rows: int) -> None:
+    if rows > MAX_POSES:
+        raise InputError(
+            f"the sweep has {rows} rows, the limit is {MAX_POSES}",
+            where="sweep",
+            hint="use fewer poses, points per joint or payloads",
+        )
 
 
 def _count(points: int) -> int:

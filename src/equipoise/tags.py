@@ -12,6 +12,7 @@ from equipoise.balancers.laws import (
     BSpline,
     Coil,
     Constant,
+    ConstantPressure,
     Gas,
     HydroPneumatic,
     Law,
@@ -19,6 +20,7 @@ from equipoise.balancers.laws import (
     Nitrogen,
     Polynomial,
     Torsion,
+    Weight,
     WireMass,
     ZeroFreeLength,
     gas_cylinder,
@@ -29,6 +31,7 @@ from equipoise.balancers.paths import (
     Cable,
     Cam,
     ConstantEnergy,
+    ConstantTorque,
     Drum,
     FourBar,
     Gear,
@@ -36,6 +39,7 @@ from equipoise.balancers.paths import (
     Lift,
     Line,
     Path,
+    Pinion,
     Profile,
     Pulley,
     Reel,
@@ -59,6 +63,7 @@ from equipoise.discovery.kinds import (
 )
 from equipoise.forms import Family, Form
 from equipoise.limits import (
+    Balanced,
     Convex,
     Curvature,
     Elongation,
@@ -69,6 +74,7 @@ from equipoise.limits import (
     MassCap,
     Slack,
     Slope,
+    SpringIndex,
     Stiffness,
     Stroke,
     Tension,
@@ -80,6 +86,8 @@ from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
+from equipoise.models.delta import delta
+from equipoise.models.five_bar import five_bar
 from equipoise.models.four_bar import four_bar
 from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -87,6 +95,7 @@ from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.rrr3 import rrr3
 from equipoise.models.slider_crank import slider_crank
 from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
+from equipoise.parts import PARTS
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -96,7 +105,9 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "parallelogram_robot": parallelogram_robot,
     "human_leg": human_leg,
     "four_bar": four_bar,
+    "five_bar": five_bar,
     "rrr3": rrr3,
+    "delta": delta,
     "slider_crank": slider_crank,
     "cable_platform": cable_platform,
     "caspr": caspr,
@@ -119,7 +130,7 @@ BALANCERS: dict[str, Callable[..., Any]] = {
     "counter_rotor": CounterRotor,
     "flywheel": Flywheel,
 }
-TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
+TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear, "pinion": Pinion}
 SHAFTS: dict[str, Callable[..., Any]] = {**TURNS, "winding": Winding}
 PATHS: dict[str, Callable[..., Any]] = {
     "line": Line,
@@ -138,6 +149,7 @@ PROFILES: dict[str, Callable[..., Any]] = {
     "csv": Profile.csv,
     "pitch": Profile.pitch,
     "constant_energy": ConstantEnergy,
+    "constant_torque": ConstantTorque,
 }
 STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
@@ -146,12 +158,15 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "weight": Weight,
+    "constant_pressure": ConstantPressure,
     "gas": Gas,
     "gas_cylinder": gas_cylinder,
     "hydro_pneumatic": HydroPneumatic,
     "torsion": Torsion,
     "polynomial": Polynomial,
     "bspline": BSpline,
+    **PARTS,
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}
@@ -165,6 +180,7 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
     "elongation": Elongation,
+    "spring_index": SpringIndex,
     "extension": Extension,
     "force": Force,
     "slack": Slack,
@@ -172,6 +188,7 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "stiffness": Stiffness,
     "mass": MassCap,
     "exact_at": ExactAt,
+    "balanced": Balanced,
     "slope": Slope,
     "curvature": Curvature,
     "convex": Convex,

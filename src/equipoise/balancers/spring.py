@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
-from equipoise.balancers.laws import Law, Stored, WireMass
+from equipoise.balancers.laws import Law, Stored, Weight, WireMass
 from equipoise.balancers.paths import Path, Place
 from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.errors import InputError, nearest
@@ -52,9 +52,9 @@ class Spring:
 
     @property
     def own_mass(self) -> Any:
-        """The spring's own mass, kg."""
+        """The spring's own mass, kg, with that of a real part."""
         if not isinstance(self.mass, WireMass):
-            return self.mass
+            return self.mass + self.law.own_mass
         rate = getattr(self.law, "k", None)
         if rate is None:
             raise InputError(
@@ -208,6 +208,8 @@ class Spring:
         any other law is stored as the cubic nearest to it over the lengths of the states.
         """
         tendon = self.path.install(spec, self.name, states)
+        if isinstance(self.law, Weight):
+            tendon.armature = self.law.parameters(self.own(values))["m"]
         stored = self.stored(values, states)
         constant, *stiffness = stored.coefficients
         if constant == 0.0 or any(stiffness[1:]):

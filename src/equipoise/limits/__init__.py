@@ -1,5 +1,6 @@
 """What must hold: limits answer linear rows for the states of a sweep."""
 
+from equipoise.limits.balanced import Balanced
 from equipoise.limits.cable import Tension, Transmission, WindUp
 from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
 from equipoise.limits.elongation import Elongation, Extension
@@ -7,8 +8,10 @@ from equipoise.limits.exact import ExactAt
 from equipoise.limits.limit import Limit, Setting
 from equipoise.limits.realisable import realisable
 from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
+from equipoise.limits.spring_index import SpringIndex
 
 __all__ = [
+    "Balanced",
     "Convex",
     "Curvature",
     "Elongation",
@@ -22,6 +25,7 @@ __all__ = [
     "Setting",
     "Slack",
     "Slope",
+    "SpringIndex",
     "Stiffness",
     "Stroke",
     "Tension",

@@ -13,6 +13,8 @@ from equipoise.balancers.laws import Coil
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.limits.limit import Setting
+from equipoise.parts import CompressionSpring, ExtensionSpring, StockSpring
+from equipoise.parts.part import StraightPart
 from equipoise.solve.program import Rows
 
 
@@ -22,7 +24,8 @@ class Elongation:
 
         k l - (1 + max) k L0 <= 0,   (1 + min) k L0 - k l <= 0
 
-    affine also where rate k and free length are found. Raises InputError for a spring that is no coil.
+    affine also where rate k and free length are found; of a part its own length counts, without its leader. Raises
+    InputError for a spring that is no coil.
     """
 
     spring: str
@@ -63,22 +66,23 @@ class Extension:
 
 def _coil(setting: Setting, name: str, limit: str) -> Spring:
     spring = setting.find(name, Spring, limit)
-    if not isinstance(spring.law, Coil):
+    if not isinstance(spring.law, Coil | ExtensionSpring | CompressionSpring | StockSpring):
         raise InputError(f"spring {name} is no coil, so it has no free length", where=f"limit {limit}")
     return spring
 
 
 def _rows(setting: Setting, spring: Spring, words: str, sign: float, factor: float, room: float) -> Rows:
     """sign (k (l - room) - factor k L0) <= 0, or without k where the free length is known."""
-    length: Array = spring.path.deform(setting.states)[0] - room
-    law, state = spring.law, np.arange(length.shape[-1])
-    free: Any = getattr(law, "free_length")  # noqa: B009 - a coil's
+    law: Any = spring.law
+    length: Array = spring.path.deform(setting.states)[0] - getattr(law, "leader", 0.0) - room
+    state = np.arange(length.shape[-1])
+    free = law.rest - law.leader if isinstance(law, StraightPart) else law.free_length
     if free is not None:
         none = np.zeros((*length.shape, 0), dtype=np.result_type(length, free))
         return Rows(words, "m", none, sign * (factor * free - length), (), state, scale=0.1)
     unknowns = {u.name.removeprefix(f"{spring.owner}."): u for u in spring.unknowns}
     product = -sign * factor * np.ones_like(length)
-    rate: Any = getattr(law, "k")  # noqa: B009
+    rate = law.k
     if rate is None:
         G = np.stack([sign * length, product], axis=-1)
         return Rows(words, "N", G, np.zeros(length.shape), (unknowns["k"], unknowns["k_free_length"]), state)

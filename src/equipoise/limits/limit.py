@@ -18,11 +18,16 @@ Kind = TypeVar("Kind", Spring, Counterweight)
 
 @dataclass(frozen=True, eq=False)
 class Setting:
-    """The balancers by name, the states they work in, and the whole hold effort at any other poses (N, nd)."""
+    """The balancers by name, the states they work in, and what else may be asked of mechanism and balancers.
+
+    hold_at is the whole hold effort at any other poses (N, nd); momentum the whole linear (`force`) or angular
+    (`moment`) momentum over random admissible states.
+    """
 
     balancers: Mapping[str, Spring | Counterweight]
     states: States
     hold_at: Callable[[Array], Affine]
+    momentum: Callable[[str], Affine] | None = None
 
     def find(self, name: str, kind: type[Kind], limit: str) -> Kind:
         """The balancer of a kind that a limit names; raises InputError where there is none."""

@@ -17,7 +17,9 @@ from equipoise.errors import InputError
 from equipoise.limits import curve
 from equipoise.limits.limit import Setting
 from equipoise.limits.realisable import room
-from equipoise.limits.sides import path_unit, scale_of, sides
+from equipoise.limits.sides import path_unit, scale_of, sides, straight
+from equipoise.parts.part import Part
+from equipoise.sag import Sag
 from equipoise.solve.program import Rows
 
 
@@ -26,15 +28,19 @@ class Force(curve.OverInterval):
     """min <= f <= max of a spring's force, N, or torque, N m, at every state, or over an interval of length.
 
     f > 0 pulls. With over (low, high), m or rad, it holds for every length in between, see `limits.curve`; samples
-    asks for that many equally spaced lengths only, and nothing between them.
+    asks for that many equally spaced lengths only, and nothing between them. A `Sag` as min asks for the force that
+    keeps a cable straight: over its longest length, unless it says its span.
     """
 
     spring: str
     max: units.Pull | None = None
-    min: units.Pull | None = None
+    min: units.Pull | Sag | None = None
     over: tuple[units.Extent, units.Extent] | None = None
     samples: int | None = None
     orders: ClassVar[tuple[int, ...]] = (0,)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "min", straight(self.min, self.over))
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """B theta <= max - f0 and -B theta <= f0 - min, one row per state."""
@@ -152,6 +158,7 @@ def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tu
         if isinstance(balancer, Spring):
             rows += _span(balancer, setting)
             rows += _needs(balancer, setting)
+            rows += _making(balancer)
         elif isinstance(balancer, Counterweight) and balancer.reach is not None:
             rows += room(balancer) if balancer.second else _reach(balancer)
     return tuple(rows)
@@ -164,6 +171,17 @@ def _needs(spring: Spring, setting: Setting) -> list[Rows]:
         none = np.zeros((*need.room.shape, 0), dtype=need.room.dtype)
         state = np.arange(need.room.shape[-1])
         rows.append(Rows(f"{need.limit} of {spring.name}", need.unit, none, need.room, (), state, scale=need.scale))
+    return rows
+
+
+def _making(spring: Spring) -> list[Rows]:
+    """What a part needs to be made, where its numbers are not fixed: an index, a wire that is known, and so on."""
+    rows = []
+    for fault in spring.law.faults() if isinstance(spring.law, Part) else ():
+        room = np.asarray(fault.room)
+        if room.ndim:
+            none = np.zeros((*room.shape, 0), dtype=room.dtype)
+            rows.append(Rows(f"{fault.reason}: {spring.name}", fault.unit, none, room, (), scale=fault.scale))
     return rows
 
 

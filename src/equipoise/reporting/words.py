@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from equipoise.balancers.paths import Line
 from equipoise.design import Design, Row
-from equipoise.reporting import phrases
-from equipoise.reporting.numbers import percent, plain, sig, sort_out
+from equipoise.reporting import cablewords, machinery, phrases
+from equipoise.reporting.numbers import percent, plain, seen, sig, sort_out
 from equipoise.reporting.pathwords import path_words
 
 if TYPE_CHECKING:
@@ -28,12 +28,18 @@ def summary(design: Design) -> str:
     lines += _wrap(left_out, "  ") if left_out else []
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
         lines += _part(part, balancer, design)
+    if design.machine is not None:
+        for label, words in (*machinery.motor_words(design.machine), *machinery.bearing_words(design.machine)):
+            lines += _labelled(label, words)
     for words in phrases.limited_by(design):
         lines += _labelled("limited by", words)
     if design.missed:
         lines += _labelled("missed", design.missed)
     lines += _labelled("certificate", phrases.certificate_words(design))
     lines += _labelled("verified", phrases.verified_words(design))
+    if design.cables is not None:
+        for label, text in cablewords.behaviour_lines(design):
+            lines += _labelled(label, text)
     for step in phrases.next_steps(design):
         lines += _labelled("next", step)
     return "\n".join(_blank_repeats(lines))
@@ -53,8 +59,18 @@ def analysis(analysis: Analysis) -> str:
     if loaded:
         head = [*NORMS, "motor limit", "used", ""]
         names = [f"{joint} [{analysis.rows[joint].unit}]" for joint in loaded]
-        body = [_analysis_cells(analysis.rows[joint], joint in analysis.worth) for joint in loaded]
-        lines += _table(names, {0: "to hold the weight"}, head, body)
+        worth = analysis.worth if analysis.cables is None else ()
+        body = [_analysis_cells(analysis.rows[joint], joint in worth) for joint in loaded]
+        lines += _table(names, {0: "to hold the weight" if analysis.machine is None else "over the motion"}, head, body)
+    if analysis.machine is not None:
+        found = [analysis.machine]
+        for label, words in (*machinery.motor_words(found), *machinery.bearing_words(found)):
+            lines += _labelled(label, words)
+    if analysis.cables is not None:
+        for label, words in cablewords.survey_lines(analysis.cables):
+            lines += _labelled(label, words)
+        lines += _labelled("next", _advice(analysis))
+        return "\n".join(_blank_repeats(lines))
     for joint, reason in analysis.reasons.items():
         if reason:
             lines += _labelled("no spring", f"{joint}: {reason}")
@@ -64,11 +80,14 @@ def analysis(analysis: Analysis) -> str:
 
 def _analysis_cells(row: Row, worth: bool) -> list[str]:
     used = percent(row.peak / row.limit) if row.limit else ""
-    norms = [sig(getattr(row, norm)) for norm in NORMS]
+    norms = [sig(seen(getattr(row, norm))) for norm in NORMS]
     return [*norms, _motor(row), used, "worth a spring" if worth else ""]
 
 
 def _advice(analysis: Analysis) -> str:
+    if analysis.cables is not None:
+        cable = analysis.cables.states.mechanism.platform.cables[0]  # type: ignore[union-attr]
+        return f"springs on the reels, path `reel: [{cable}]`: write a problem file, then `equipoise design FILE`"
     if not analysis.worth:
         return "gravity asks little of these motors; a spring would not pay"
     model = analysis.mechanism.model
@@ -86,7 +105,7 @@ def _rows(design: Design) -> list[str]:
     body = []
     for joint in matter:
         before, after = design.before[joint], design.after[joint]
-        numbers = [sig(getattr(row, norm)) for row in (before, after) for norm in NORMS]
+        numbers = [sig(seen(getattr(row, norm))) for row in (before, after) for norm in NORMS]
         body.append([*numbers, _motor(before), "" if joint in counted else "not counted"])
     names = [f"{joint} [{design.before[joint].unit}]" for joint in matter]
     return _table(names, {0: "before", 3: "after"}, [*NORMS, *NORMS, "motor limit", ""], body) if matter else []
@@ -129,6 +148,7 @@ def _part(part: Mapping[str, Any], balancer: object, design: Design) -> list[str
             *_labelled(name, phrases.law_words(part, balancer)),
             *_labelled("", _led(part, balancer)),
             *_labelled("", phrases.work_words(part)),
+            *(_labelled("", words) if (words := phrases.used_words(part)) else []),
             *(_labelled("", words) if (words := phrases.stored_words(part)) else []),
         ]
     word = {"counterweight": "weight", "counter_rotor": "rotor", "flywheel": "flywheel"}[part["kind"]]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -65,6 +65,7 @@ class Solution:
         parts = [term.triangle[:, :-1] for term in self.program.terms]
         # what a body can have binds before a residual does: such directions are not free
         parts += [one.S.reshape(len(scale), -1).T for one in self.program.definite]
+        parts += [rows.G / rows.scale for rows in self.program.rows if rows.equality]
         factor = np.vstack(parts) * scale
         _, singular, vectors = np.linalg.svd(factor)
         rank = int((singular > 1e-10 * max(singular.max(initial=0.0), 1e-300)).sum())
@@ -131,12 +132,30 @@ def _exchange(program: Program, working: Working, elastic: float | None) -> Answ
 
             raise InfeasibleError(explain(program), where="limits", hint="relax one of them, or free more geometry")
         if elastic is None:
-            answer = polish(program, working, answer)
+            answer = _aligned(program, polish(program, working, answer))
         if not _grow(program, working, answer):
             return answer
     raise EquipoiseError(
         f"the exchange did not settle in {ROUNDS} rounds", where="solve", hint="use norm rms, or fewer poses"
     )
+
+
+def _aligned(program: Program, answer: Answer) -> Answer:
+    """Equalities kept to rounding, by the smallest move within bounds, where no other limit minds."""
+    equal = [rows for rows in program.rows if rows.equality and rows.h.size]
+    if not equal or not program.unknowns:
+        return answer
+    G = np.vstack([rows.G / rows.scale for rows in equal]) * program.scale
+    h = np.concatenate([rows.h / rows.scale for rows in equal])
+    theta = answer.theta
+    for _ in range(3):
+        theta = np.clip(theta, program.lower, program.upper)
+        free = (theta > program.lower) & (theta < program.upper)
+        step = np.linalg.lstsq(G[:, free], h - G @ (theta / program.scale), rcond=1e-12)[0]
+        theta = theta.copy()
+        theta[free] += program.scale[free] * step
+    better = program.violation(theta) <= max(program.violation(answer.theta), 1e-9)
+    return replace(answer, theta=theta) if better else answer
 
 
 def _method(program: Program, elastic: float | None) -> Callable[[Working], Answer]:

@@ -9,11 +9,14 @@ import numpy as np
 
 from equipoise.affine import Array, Block, Indices, Unknown, magnitudes
 from equipoise.assemble import Balancer, account, build, check, effort, thrift
+from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.spring import Spring
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
 from equipoise.floors import floors
+from equipoise.limits import Balanced as InAllMotions
 from equipoise.limits import Limit, OverInterval
+from equipoise.limits.balanced import WORDS
 from equipoise.loops import reachable
 from equipoise.mechanism import Mechanism
 from equipoise.motion.moves import Free
@@ -90,8 +93,30 @@ def balance(
     exceed the peak are added until none does. Raises InfeasibleError naming the limits that conflict.
     """
     task = task_of(mechanism, balancers, sweep, norm, objective, limits)
-    balanced = settle(task)
+    try:
+        balanced = settle(task)
+    except InfeasibleError as error:
+        raise _reasoned(task, error) from None
     return finish(balanced, certify(balanced))
+
+
+def _reasoned(task: Task, error: InfeasibleError) -> InfeasibleError:
+    """Why balance for all motions is out of reach, where added mass alone shall bring it."""
+    asked = next((limit for limit in task.limits if isinstance(limit, InAllMotions)), None)
+    if asked is None or not all(isinstance(balancer, Counterweight) for balancer in task.balancers):
+        return error
+    from equipoise.reporting.balance import completion_text
+    from equipoise.verbs.conditions import conditions
+
+    on = list(dict.fromkeys(b.at.body for b in task.balancers if isinstance(b, Counterweight)))
+    found = conditions(task.mechanism, asked.balanced, on=on).completion
+    if found.possible:
+        return error
+    return InfeasibleError(
+        f"{error.message}\n{completion_text(found, WORDS[asked.balanced])}",
+        where=error.where,
+        hint="add a counter-rotor or a flywheel; `equipoise conditions` lists what masses must keep",
+    )
 
 
 def task_of(
@@ -119,9 +144,9 @@ def settle(task: Task) -> Balanced:
         solution = saved(task, states, program, solution)
         # Rounding may leave a value outside its bounds by 1e-10 of its size.
         solution = replace(solution, theta=np.clip(solution.theta, program.lower, program.upper))
-        found = _between(task, states, program, solution, starts)
+        found = between(task, states, program, solution, starts)
         if not len(found) and starts == FEW:
-            found = _between(task, states, program, solution, STARTS)
+            found = between(task, states, program, solution, STARTS)
         rounds += 1
         if not len(found) or rounds == ROUNDS:
             return Balanced(task, states, program, solution, len(task.sweep.poses) - started)
@@ -216,8 +241,10 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
     return theta + solve(Program(moves, (term,), tuple(rows), definite)).theta @ directions
 
 
-def _between(task: Task, states: States, program: Program, solution: Solution, starts: int) -> Array:
-    """Poses between the samples whose peak exceeds the solved one; none for grids, lists and other norms."""
+def between(
+    task: Task, states: States, program: Program, solution: Solution, starts: int, level: float | None = None
+) -> Array:
+    """Poses between the samples whose peak exceeds a level, the solved one by default; none for grids and lists."""
     aims = [aim for aim in task.objective if aim.cap is None]
     if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak" or aims[0].goal == "mass":
         return task.sweep.coordinates[:0]
@@ -233,7 +260,8 @@ def _between(task: Task, states: States, program: Program, solution: Solution, s
 
     size = magnitudes(whole(states)[1], [block.size for block in blocks])[:, counted] * factor
     sampled = size.reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
-    level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
+    if level is None:
+        level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
     # A row far below the level at every sample does not reach it between them.
     near = np.flatnonzero(sampled.max(axis=0) >= NEAR * level)
     probe = steepness(task.mechanism, task.sweep, blocks, whole)

@@ -12,6 +12,7 @@ from equipoise.assemble import Balancer
 from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
+from equipoise.seeding import generator
 from equipoise.states import States
 from equipoise.verification.simulate import reach
 
@@ -58,7 +59,7 @@ def energy_errors(design: Design, poses: int = 64, seed: int = 0) -> dict[str, f
 
 def _line(design: Design, poses: int, seed: int) -> Line:
     sweep = design.sweep
-    rng = np.random.default_rng(seed)
+    rng = generator(seed)
     # Poses without weight lie next to anchors, where a cable's direction jumps.
     known = sweep.poses[sweep.weight > 0]
     centre = known[rng.integers(len(known), size=poses)]

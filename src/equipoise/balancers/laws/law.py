@@ -57,6 +57,11 @@ class Law:
         return False
 
     @property
+    def own_mass(self) -> Any:
+        """Mass, kg, that a real part brings along; the spring's `mass` comes on top."""
+        return 0.0
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """What a description says beside the parameters."""
         return ()

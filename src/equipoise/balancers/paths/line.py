@@ -35,9 +35,6 @@ class Line(Path):
         Where the ends coincide the direction is undefined; the derivative is zero there, which is what
         a zero-free-length spring needs.
         """
-        return states.remembered(self, lambda: self._deformed(states))
-
-    def _deformed(self, states: States) -> tuple[Array, Array]:
         position_a, jacobian_a = states.point(self.a)
         position_b, jacobian_b = states.point(self.b)
         gap = position_a - position_b

@@ -1,0 +1,7 @@
+"""The machine over a motion: what its motors do and what its bearings carry, with and without what is added."""
+
+from equipoise.machinery.bearings import Bearing, BearingForces, bearing_forces
+from equipoise.machinery.drive import Drive, Share, Supply
+from equipoise.machinery.whole import Machine, machine
+
+__all__ = ["Bearing", "BearingForces", "Drive", "Machine", "Share", "Supply", "bearing_forces", "machine"]

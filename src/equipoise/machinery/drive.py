@@ -1,0 +1,165 @@
+"""What each motor does over a motion: torque, heat and work, split by what asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from equipoise.affine import Array, Block
+from equipoise.assemble import Balancer, settled
+from equipoise.balancers.spring import Spring
+from equipoise.design import Row
+from equipoise.machinery.instants import rows_of
+from equipoise.mechanism import Mechanism
+from equipoise.momentum import bare_drive
+from equipoise.states import States
+from equipoise.sweep import Sweep
+
+PARTS = ("inertial", "gravity", "springs", "friction")
+
+
+@dataclass(frozen=True)
+class Share:
+    """Peak and rms of one part of a motor's effort, in the joint's unit."""
+
+    peak: float
+    rms: float
+
+
+@dataclass(frozen=True)
+class Supply:
+    """Energy over the motion, J: `positive` is supplied where nothing is regenerated, `braking` is taken back.
+
+    With perfect regeneration the motor draws `net` = positive - braking.
+    """
+
+    positive: float
+    braking: float
+
+    @property
+    def net(self) -> float:
+        """positive - braking, J."""
+        return self.positive - self.braking
+
+    def json(self) -> dict[str, float]:
+        """The supply as design.json holds it."""
+        return {
+            "without_regeneration": self.positive,
+            "with_regeneration": self.net,
+            "braking": self.braking,
+        }
+
+
+@dataclass(frozen=True)
+class Drive:
+    """One motor over a motion: effort, its parts {inertial, gravity, springs, friction}, work and power.
+
+    effort = inertial + gravity + springs + friction at every instant: M qacc + c(q, qvel), weights, springs of the
+    file and added ones, dampers of the file. work is None for states that are no motion in time; of several payloads
+    the worst counts. power (W) is the largest that the motor supplies.
+    """
+
+    effort: Row
+    parts: Mapping[str, Share]
+    power: float
+    work: Supply | None
+
+    def json(self) -> dict[str, Any]:
+        """The drive as design.json holds it."""
+        return {
+            "peak": self.effort.peak,
+            "rms": self.effort.rms,
+            "unit": self.effort.unit,
+            "parts": {name: {"peak": part.peak, "rms": part.rms} for name, part in self.parts.items()},
+            "power": self.power,
+            "work": self.work.json() if self.work else None,
+        }
+
+
+def effort_parts(states: States, balancers: Sequence[Balancer], values: Mapping[str, float]) -> dict[str, Array]:
+    """The driven joints' effort (N, nd) split by what asks for it; the sum is the goal `drive`."""
+    fixed, moving = settled(balancers, values), states.moving
+
+    def of(balancer: Balancer, goal: str) -> Array:
+        share = balancer.effort(states, goal)
+        return share.at(np.array([values[unknown.name] for unknown in share.unknowns]))
+
+    def driven(force: Array) -> Array:
+        return (force[:, None, :] @ states.D)[:, 0]
+
+    springs = -driven(states.kin.spring)
+    parts = {
+        "inertial": bare_drive(states)[0],
+        "gravity": states.holding - springs,
+        "springs": springs,
+        "friction": -driven(moving.damper),
+    }
+    for balancer in fixed:
+        held = of(balancer, "hold")
+        parts["inertial"] = parts["inertial"] + of(balancer, "drive") - held
+        if isinstance(balancer, Spring):
+            own = sum((states.weight_effort(place, mass) for place, mass in balancer.masses), np.zeros(1))
+            parts["springs"], held = parts["springs"] + held - own, own
+        parts["gravity"] = parts["gravity"] + held
+    return parts
+
+
+def drives(
+    mechanism: Mechanism, sweep: Sweep, states: States, balancers: Sequence[Balancer], values: Mapping[str, float]
+) -> dict[str, Drive]:
+    """What each motor does over a motion."""
+    joints, units = mechanism.driven, mechanism.driven_units
+
+    def sizes(other: States) -> Array:
+        parts = effort_parts(other, balancers, values)
+        power = sum(parts.values()) * other.moving.driven_velocity
+        return np.abs(np.concatenate([sum(parts.values()), *parts.values(), np.maximum(power, 0.0)], axis=1))
+
+    names = [f"{what} {joint}" for what in ("effort", *PARTS, "power") for joint in joints]
+    every = [*units * (1 + len(PARTS)), *["W"] * len(joints)]
+    blocks = [Block(name, unit) for name, unit in zip(names, every, strict=True)]
+    rows = rows_of(mechanism, sweep, states, blocks, sizes)
+    work = supplies(sweep, states, balancers, values)
+    return {
+        joint: Drive(
+            effort=rows[f"effort {joint}"],
+            parts={part: Share(rows[f"{part} {joint}"].peak, rows[f"{part} {joint}"].rms) for part in PARTS},
+            power=rows[f"power {joint}"].peak,
+            work=work.get(joint),
+        )
+        for joint in joints
+    }
+
+
+def supplies(
+    sweep: Sweep, states: States, balancers: Sequence[Balancer], values: Mapping[str, float]
+) -> dict[str, Supply]:
+    """Energy that each motor supplies and takes back over a motion in time, and `all` of them on one supply.
+
+    The integral of the positive part of a quintic spline through the powers, between its roots.
+    """
+    instants = sweep.instants
+    if instants is None or len(instants.time) < 4:
+        return {}
+    order = np.argsort(instants.time, kind="stable")
+    power = sum(effort_parts(states, balancers, values).values()) * states.moving.driven_velocity
+    power = np.concatenate([power, power.sum(axis=1, keepdims=True)], axis=1)
+    scenarios = power.reshape(len(sweep.scenarios), len(order), -1)[:, order]
+    found = {}
+    for column, name in enumerate((*states.mechanism.driven, "all")):
+        runs = [_split(instants.time[order], run[:, column]) for run in scenarios]
+        found[name] = max(runs, key=lambda run: run.positive)
+    return found
+
+
+def _split(time: Array, power: Array) -> Supply:
+    from scipy.interpolate import PPoly, make_interp_spline
+
+    law = PPoly.from_spline(make_interp_spline(time, power, k=min(5, (len(time) - 2) // 2 * 2 + 1)))
+    roots = law.roots(extrapolate=False)
+    marks = np.unique(np.r_[time[0], roots[np.isfinite(roots)], time[-1]])
+    pieces = np.diff(law.antiderivative()(marks))
+    return Supply(float(pieces[pieces > 0].sum()), float(-pieces[pieces < 0].sum()))
