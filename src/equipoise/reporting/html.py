@@ -15,6 +15,7 @@ from equipoise.reporting.markup import Raw, element, image, join, section
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, pictures
 from equipoise.reporting.settings import settings_table
+from equipoise.reporting.tolerance import tolerance_section
 
 
 def page(design: Design, model: str) -> str:
@@ -32,6 +33,7 @@ def page(design: Design, model: str) -> str:
             settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),
+            tolerance_section(design),
             sections.basis(design),
             sections.honest_limits(),
             sections.files(design, model),

@@ -18,11 +18,13 @@ from equipoise.errors import InputError
 def report(design: Design, out: Path | str) -> Path:
     """Write report.html, design.json, residuals.csv and `<mechanism>_balanced.xml` to a folder; returns the HTML file.
 
-    A design without a verification is verified first; one that disagrees is reported as such. Files are made in
+    A design without a verification is verified first; one that disagrees is reported as such. One without a tolerance
+    gets that of the default scatter. Files are made in
     a folder of their own and moved in place when all are there. Raises InputError where `out` cannot be written.
     """
     from equipoise.reporting.html import page
     from equipoise.reporting.jsonfile import dumps
+    from equipoise.scattering import followed, tolerance
     from equipoise.verbs.verify import verify
     from equipoise.verification.saved import save
 
@@ -34,6 +36,8 @@ def report(design: Design, out: Path | str) -> Path:
             stage = Path(folder)
             if design.verification is None:
                 design = verify(design)
+            if design.tolerance is None and followed(design):
+                design = replace(design, tolerance=tolerance(design))
             model = save(design, stage)
             design = _naming(design, target / model.name)
             (stage / "report.html").write_text(page(design, model.name), encoding="utf-8")
