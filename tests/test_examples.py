@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
+import equipoise as eq
 from equipoise.problem import load_problem
 from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import shape
@@ -190,7 +191,7 @@ def test_four_bar_balance():
 
 
 def test_ur10_pick_and_place():
-    """Heat before by MuJoCo's inverse dynamics on a spline through the file; work of a closed cycle; springs in motion."""
+    """Heat by MuJoCo on a spline through the file; work of a closed cycle; springs in motion."""
     from scipy.interpolate import make_interp_spline
 
     design = run("ur10_pick_and_place")
@@ -223,3 +224,21 @@ def test_ur10_pick_and_place():
     found = verify(design, poses=100).verification
     assert found.agrees
     assert max(error.relative for error in found.motion.errors.values()) < 1e-10
+
+
+def test_delta_counterweights():
+    """Three equal weights, the rms force by Newton's law on the centres of all bodies."""
+    design = run("delta_counterweights")
+    assert design.added_mass == pytest.approx(3.0, rel=1e-6)
+    assert design.certificate.gap < 1e-6
+    assert design.after["force"].rms < 0.55 * design.before["force"].rms
+    places = [part["ends"][0]["at"] for part in design.parts()]
+    assert places[1:] == [pytest.approx(places[0])] * 2
+    assert 0.06 < np.linalg.norm(places[0]) <= 0.12 + 1e-9
+    model, states = design.mechanism.model, design.states
+    force = 0.3 * states.acceleration(eq.Point("platform"))
+    for body in range(1, model.nbody):
+        com = eq.Point(model.body(body).name, tuple(model.body_ipos[body]))
+        force = force + model.body_mass[body] * states.acceleration(com)
+    rms = np.sqrt((states.weight @ (force**2).sum(axis=1)) / states.weight.sum())
+    assert design.before["force"].rms == pytest.approx(rms, rel=1e-9)

@@ -128,6 +128,8 @@ _HOME = {
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "human_leg": "models.human_leg",
+    "five_bar": "models.five_bar",
+    "delta": "models.delta",
     "rrr3": "models.rrr3",
     "platform_measure": "models.rrr3",
     "slider_crank": "models.slider_crank",
@@ -135,6 +137,7 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
     "PointMasses": "substitution",
@@ -170,6 +173,9 @@ _HOME = {
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
+    "Pinion": "balancers.paths",
+    "ConstantTorque": "balancers.paths",
+    "Weight": "balancers.laws",
 }
 
 __all__ = [
@@ -198,6 +204,7 @@ __all__ = [
     "ConstantForceCam",
     "ConstantForceSpring",
     "ConstantPressure",
+    "ConstantTorque",
     "Convex",
     "CounterRotor",
     "Counterweight",
@@ -240,6 +247,7 @@ __all__ = [
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pinion",
     "Plate",
     "Platform",
     "Point",
@@ -276,6 +284,7 @@ __all__ = [
     "TorsionSpring",
     "Transmission",
     "Unknown",
+    "Weight",
     "WindUp",
     "Winding",
     "WireMass",
@@ -295,12 +304,14 @@ __all__ = [
     "clearance",
     "closure",
     "conditions",
+    "delta",
     "distribute",
     "equilibria",
     "exact_mean",
     "exact_rate",
     "exact_rate_zero_free_length",
     "feasible",
+    "five_bar",
     "four_bar",
     "gas_cylinder",
     "geometry_map",
@@ -325,6 +336,7 @@ __all__ = [
     "rrr3",
     "sag_tension",
     "shape",
+    "side_by_side",
     "slider_crank",
     "spline_floor",
     "stiffness",
@@ -365,6 +377,7 @@ if TYPE_CHECKING:
         Nitrogen,
         Polynomial,
         Torsion,
+        Weight,
         WireMass,
         ZeroFreeLength,
         gas_cylinder,
@@ -375,12 +388,14 @@ if TYPE_CHECKING:
         Cable,
         Cam,
         ConstantEnergy,
+        ConstantTorque,
         Drum,
         FourBar,
         Gear,
         InvertedSliderCrank,
         Line,
         Mount,
+        Pinion,
         Profile,
         Pulley,
         Reel,
@@ -451,6 +466,8 @@ if TYPE_CHECKING:
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
+    from equipoise.models.delta import delta
+    from equipoise.models.five_bar import five_bar
     from equipoise.models.four_bar import four_bar
     from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -487,4 +504,5 @@ if TYPE_CHECKING:
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
+    from equipoise.verbs.side_by_side import side_by_side
     from equipoise.verbs.verify import verify

@@ -218,6 +218,29 @@ def report(file: Made, json: Json = False, out: Out = None) -> int:
 
 @app.command()
 @guarded
+def side_by_side(
+    files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Problem files or designs of one mechanism.")],
+    json: Json = False,
+    out: Out = None,
+) -> int:
+    """Several designs over one motion: mass, inertia, shaking, torque, power and work beside each other."""
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.solving import found_design
+    from equipoise.verbs.side_by_side import side_by_side as run
+
+    designs = {Path(file).stem: found_design(file, "side-by-side")[0] for file in files}
+    found = run(designs)
+    say(str(found))
+    with staging(out) as stage:
+        if stage is not None:
+            (stage / "side_by_side.json").write_text(dumps(found.json()), encoding="utf-8")
+    if json:
+        emit(found.json())
+    return 0
+
+
+@app.command()
+@guarded
 def reproduce(
     paper: Annotated[str | None, typer.Argument(metavar="[PAPER]", help="A paper, or a part of its name.")] = None,
     json: Json = False,
