@@ -320,10 +320,17 @@ def _mapped(found: Design, problem: Problem, json: bool, out: Path, *, over: tup
 
 def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: bool) -> int:
     from equipoise.scattering import followed, tolerance
+    from equipoise.solving import cut
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import verify as run
 
     found = _told(found, problem, out)
+    refused = None
+    try:
+        found = replace(found, made=tuple(cut(problem, found)))
+    except InputError as error:
+        # The springs are found all the same.
+        refused = error
     try:
         with staging(out) as stage:
             assert stage is not None
@@ -337,7 +344,11 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
             _write(found, stage)
         say(f"stopped during verification and report; the design is in {out / 'design.json'}")
         return STOPPED
-    return _conclude(found, json, stopped, [*_written(out, found), f"report      {out / 'report.html'}"])
+    parts = [f"part        {out / f'{part.name}.dxf'}" for part in found.made]
+    code = _conclude(found, json, stopped, [*_written(out, found), *parts, f"report      {out / 'report.html'}"])
+    if refused is not None:
+        raise refused
+    return code
 
 
 def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Path | None, *, full: bool) -> int:
