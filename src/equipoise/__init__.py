@@ -46,6 +46,9 @@ _HOME = {
     "Gas": "balancers.laws",
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
+    "Scatter": "scattering",
+    "Tolerance": "scattering",
+    "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
@@ -276,6 +279,7 @@ __all__ = [
     "Pulley",
     "Reel",
     "Sag",
+    "Scatter",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -293,6 +297,7 @@ __all__ = [
     "Tilt",
     "TimePolynomial",
     "TimeSpline",
+    "Tolerance",
     "Torsion",
     "TorsionSpring",
     "TorsionSprings",
@@ -357,6 +362,7 @@ __all__ = [
     "stiffness",
     "substitute",
     "survey",
+    "tolerance",
     "verify",
     "wrench_matrix",
 ]
@@ -515,6 +521,7 @@ if TYPE_CHECKING:
     )
     from equipoise.problem import Problem, load_problem
     from equipoise.sag import Sag, sag_tension
+    from equipoise.scattering import Scatter, Tolerance, tolerance
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep

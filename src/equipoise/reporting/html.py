@@ -16,6 +16,7 @@ from equipoise.reporting.markup import Raw, element, image, join, section
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, part_picture, pictures
 from equipoise.reporting.settings import settings_table
+from equipoise.reporting.tolerance import tolerance_section
 
 
 def page(design: Design, model: str) -> str:
@@ -35,6 +36,7 @@ def page(design: Design, model: str) -> str:
             settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),
+            tolerance_section(design),
             sections.basis(design),
             sections.honest_limits(),
             sections.files(design, model),
