@@ -46,6 +46,9 @@ _HOME = {
     "Gas": "balancers.laws",
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
+    "Scatter": "scattering",
+    "Tolerance": "scattering",
+    "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
@@ -263,6 +266,7 @@ __all__ = [
     "Pulley",
     "Reel",
     "Sag",
+    "Scatter",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -280,6 +284,7 @@ __all__ = [
     "Tilt",
     "TimePolynomial",
     "TimeSpline",
+    "Tolerance",
     "Torsion",
     "TorsionSpring",
     "Transmission",
@@ -343,6 +348,7 @@ __all__ = [
     "stiffness",
     "substitute",
     "survey",
+    "tolerance",
     "verify",
     "wrench_matrix",
 ]
@@ -491,6 +497,7 @@ if TYPE_CHECKING:
     )
     from equipoise.problem import Problem, load_problem
     from equipoise.sag import Sag, sag_tension
+    from equipoise.scattering import Scatter, Tolerance, tolerance
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep

@@ -350,14 +350,24 @@ def _mapped(found: Design, problem: Problem, json: bool, out: Path, *, over: tup
 
 
 def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: bool) -> int:
+    from equipoise.scattering import followed, tolerance
+    from equipoise.solving import cut
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import verify as run
 
     found = _told(found, problem, out)
+    refused = None
+    try:
+        found = replace(found, made=tuple(cut(problem, found)))
+    except InputError as error:
+        # The springs are found all the same.
+        refused = error
     try:
         with staging(out) as stage:
             assert stage is not None
             found = run(found, out=stage)
+            if followed(found):
+                found = replace(found, tolerance=tolerance(found, problem.content.tolerances))
             write_report(found, stage)
     except KeyboardInterrupt:
         # The design itself is finished work.
@@ -365,12 +375,17 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
             _write(found, stage)
         say(f"stopped during verification and report; the design is in {out / 'design.json'}")
         return STOPPED
-    return _conclude(found, json, stopped, [*_written(out, found), f"report      {out / 'report.html'}"])
+    parts = [f"part        {out / f'{part.name}.dxf'}" for part in found.made]
+    code = _conclude(found, json, stopped, [*_written(out, found), *parts, f"report      {out / 'report.html'}"])
+    if refused is not None:
+        raise refused
+    return code
 
 
 def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Path | None, *, full: bool) -> int:
     """One design for several cases: verified in each, reported in the hardest, a folder for every case."""
     from equipoise.reporting.jsonfile import dumps
+    from equipoise.scattering import followed, tolerance
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import insist
     from equipoise.verbs.verify import verify as run
@@ -387,7 +402,10 @@ def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Pa
         found = replace(found, designs=tuple(designs))
         if stage is not None:
             if full:
-                write_report(_told(designs[found.hardest], problem, out), stage)
+                shown = _told(designs[found.hardest], problem, out)
+                if followed(shown):
+                    shown = replace(shown, tolerance=tolerance(shown, problem.content.tolerances))
+                write_report(shown, stage)
             (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")
     say("\n".join([str(found), *([] if out is None else [f"design      {out / 'design.json'}"])]))
     if full and out is not None:

@@ -68,11 +68,16 @@ def made_parts(file: str) -> tuple[list[Part], Problem]:
         )
     needs_design = any(hasattr(request, "spring") for request in asked)
     design = found_design(file, "make")[0] if needs_design else None
+    return cut(target.problem, design), target.problem
+
+
+def cut(problem: Problem, design: Design | None) -> list[Part]:
+    """The cams and drums that a problem asks for; errors name the request."""
     parts = []
-    for index, request in enumerate(asked):
-        with target.problem.at("make", index):
-            parts.append(request.part(target.problem.mechanism, design))
-    return parts, target.problem
+    for index, request in enumerate(problem.content.make):
+        with problem.at("make", index):
+            parts.append(request.part(problem.mechanism, design))
+    return parts
 
 
 def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adjusted, bool]:

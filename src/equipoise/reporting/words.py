@@ -11,6 +11,7 @@ from equipoise.design import Design, Row
 from equipoise.reporting import cablewords, machinery, phrases
 from equipoise.reporting.numbers import percent, plain, seen, sig, sort_out
 from equipoise.reporting.pathwords import path_words
+from equipoise.reporting.tolerance import tolerance_words
 
 if TYPE_CHECKING:
     from equipoise.verbs.analyze import Analysis
@@ -37,6 +38,8 @@ def summary(design: Design) -> str:
         lines += _labelled("missed", design.missed)
     lines += _labelled("certificate", phrases.certificate_words(design))
     lines += _labelled("verified", phrases.verified_words(design))
+    for label, text in tolerance_words(design):
+        lines += _labelled(label, text)
     if design.cables is not None:
         for label, text in cablewords.behaviour_lines(design):
             lines += _labelled(label, text)
