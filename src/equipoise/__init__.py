@@ -186,6 +186,9 @@ _HOME = {
     "Pinion": "balancers.paths",
     "ConstantTorque": "balancers.paths",
     "Weight": "balancers.laws",
+    "Comparing": "comparing",
+    "Comparison": "verbs.compare",
+    "compare": "verbs.compare",
 }
 
 __all__ = [
@@ -208,6 +211,8 @@ __all__ = [
     "Claim",
     "Coil",
     "Coils",
+    "Comparing",
+    "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
@@ -322,6 +327,7 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "compare",
     "conditions",
     "delta",
     "discover",
@@ -442,6 +448,7 @@ if TYPE_CHECKING:
     )
     from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
+    from equipoise.comparing import Comparing
     from equipoise.design import Design
     from equipoise.discovery.front import Front
     from equipoise.discovery.kinds import (
@@ -530,6 +537,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.discover import discover
     from equipoise.verbs.geometry_map import geometry_map
