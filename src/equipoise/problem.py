@@ -44,12 +44,10 @@ class ProblemFile:
     geometry, from which shape then starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`;
     adjust {parameter: [low, high]} is set anew for every payload or case, null leaves an unknown its natural bounds;
     cases list mechanisms that one design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is
-    how the base leans; make lists cams and drums that `equipoise make` cuts; trajectory, a motion or poses in order,
-    is what a cable platform's motors are judged on; tolerances says how far parts and robot may be off; discover
-    says how `equipoise discover` looks for springs, in the place of balancers.
     how the base leans; compare says which joint `equipoise compare` looks at; make lists cams and drums that
-    `equipoise make` cuts; trajectory, a motion or poses in order,
-    is what a cable platform's motors are judged on; tolerances says how far parts and robot may be off.
+    `equipoise make` cuts; trajectory, a motion or poses in order, is what a cable platform's motors are judged on;
+    tolerances says how far parts and robot may be off; discover says how `equipoise discover` looks for springs, in
+    the place of balancers.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
