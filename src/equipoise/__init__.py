@@ -47,6 +47,9 @@ _HOME = {
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
     "Scatter": "scattering",
+    "Friction": "friction",
+    "DeadBand": "rubbing",
+    "dead_band": "rubbing",
     "Tolerance": "scattering",
     "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
@@ -210,6 +213,7 @@ __all__ = [
     "Counterweight",
     "Curvature",
     "Cycloidal",
+    "DeadBand",
     "Design",
     "DisagreementError",
     "Disc",
@@ -226,6 +230,7 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Friction",
     "Gas",
     "GasSpring",
     "Gear",
@@ -304,6 +309,7 @@ __all__ = [
     "clearance",
     "closure",
     "conditions",
+    "dead_band",
     "delta",
     "distribute",
     "equilibria",
@@ -432,6 +438,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
+    from equipoise.friction import Friction
     from equipoise.limits import (
         Balanced,
         Convex,
@@ -489,6 +496,7 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
     from equipoise.scattering import Scatter, Tolerance, tolerance
     from equipoise.states import States

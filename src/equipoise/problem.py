@@ -13,6 +13,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.cases import Case, by_payload
 from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
 from equipoise.forms import Form, Later, Reading
+from equipoise.friction import Friction
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.places import REMEDY, problem_error, where
@@ -43,7 +44,8 @@ class ProblemFile:
     adjust {parameter: [low, high]} is set anew for every payload or case, null leaves an unknown its natural bounds;
     cases list mechanisms that one design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is
     how the base leans; make lists cams and drums that `equipoise make` cuts; trajectory, a motion or poses in order,
-    is what a cable platform's motors are judged on; tolerances says how far parts and robot may be off.
+    is what a cable platform's motors are judged on; tolerances says how far parts and robot may be off,
+    friction how much they rub.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -62,6 +64,7 @@ class ProblemFile:
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()
     tolerances: Scatter = field(default_factory=Scatter)
+    friction: Friction = field(default_factory=Friction)
     trajectory: Annotated[Any, SWEEP] | None = None
 
 
