@@ -179,6 +179,9 @@ _HOME = {
     "Pinion": "balancers.paths",
     "ConstantTorque": "balancers.paths",
     "Weight": "balancers.laws",
+    "Comparing": "comparing",
+    "Comparison": "verbs.compare",
+    "compare": "verbs.compare",
 }
 
 __all__ = [
@@ -200,6 +203,8 @@ __all__ = [
     "Case",
     "Claim",
     "Coil",
+    "Comparing",
+    "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
@@ -308,6 +313,7 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "compare",
     "conditions",
     "dead_band",
     "delta",
@@ -428,6 +434,7 @@ if TYPE_CHECKING:
     )
     from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
+    from equipoise.comparing import Comparing
     from equipoise.design import Design
     from equipoise.errors import (
         DisagreementError,
@@ -507,6 +514,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report

@@ -241,6 +241,37 @@ def side_by_side(
 
 @app.command()
 @guarded
+def compare(file: File, json: Json = False, out: Out = None, starts: Starts = None) -> int:
+    """A working member of every family of balancers for one joint, side by side and ranked."""
+    from equipoise.reporting.comparison import markdown
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.targets import target_of
+    from equipoise.verbs.compare import STARTS
+    from equipoise.verbs.compare import compare as run
+
+    problem = target_of(file).problem
+    norm = next(aim.norm for aim in problem.objective if aim.cap is None)
+    with problem.at_names():
+        found = run(
+            problem.mechanism,
+            problem.sweep,
+            problem.content.compare,
+            norm=norm,
+            starts=starts or STARTS,
+            progress=lambda name: say(f"designing {name}"),
+        )
+    say(str(found))
+    with staging(out) as stage:
+        if stage is not None:
+            (stage / "comparison.json").write_text(dumps(found.json()), encoding="utf-8")
+            (stage / "comparison.md").write_text(markdown(found) + "\n", encoding="utf-8")
+    if json:
+        emit(found.json())
+    return 0
+
+
+@app.command()
+@guarded
 def reproduce(
     paper: Annotated[str | None, typer.Argument(metavar="[PAPER]", help="A paper, or a part of its name.")] = None,
     json: Json = False,

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 from equipoise.balancers.spring import Spring
 from equipoise.cases import Case, by_payload
+from equipoise.comparing import Comparing
 from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
 from equipoise.forms import Form, Later, Reading
 from equipoise.friction import Friction
@@ -43,9 +44,9 @@ class ProblemFile:
     geometry, from which shape then starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`;
     adjust {parameter: [low, high]} is set anew for every payload or case, null leaves an unknown its natural bounds;
     cases list mechanisms that one design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is
-    how the base leans; make lists cams and drums that `equipoise make` cuts; trajectory, a motion or poses in order,
-    is what a cable platform's motors are judged on; tolerances says how far parts and robot may be off,
-    friction how much they rub.
+    how the base leans; compare says which joint `equipoise compare` looks at; make lists cams and drums that
+    `equipoise make` cuts; trajectory, a motion or poses in order, is what a cable platform's motors are judged on;
+    tolerances says how far parts and robot may be off, friction how much they rub.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -60,6 +61,7 @@ class ProblemFile:
     cases: tuple[Mapping[str, Any | tuple[Any, ...]], ...] = ()
     tilt: Tilt | None = None
     search: Search = field(default_factory=Search)
+    compare: Comparing | None = None
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()
