@@ -47,6 +47,9 @@ _HOME = {
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
     "Scatter": "scattering",
+    "Friction": "friction",
+    "DeadBand": "rubbing",
+    "dead_band": "rubbing",
     "Tolerance": "scattering",
     "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
@@ -228,6 +231,7 @@ __all__ = [
     "Counterweights",
     "Curvature",
     "Cycloidal",
+    "DeadBand",
     "Design",
     "DisagreementError",
     "Disc",
@@ -245,6 +249,7 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Friction",
     "Front",
     "Gas",
     "GasSpring",
@@ -329,6 +334,7 @@ __all__ = [
     "closure",
     "compare",
     "conditions",
+    "dead_band",
     "delta",
     "discover",
     "distribute",
@@ -470,6 +476,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
+    from equipoise.friction import Friction
     from equipoise.limits import (
         Balanced,
         Convex,
@@ -527,6 +534,7 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
     from equipoise.scattering import Scatter, Tolerance, tolerance
     from equipoise.states import States

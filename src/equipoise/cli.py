@@ -376,8 +376,7 @@ def _mapped(found: Design, problem: Problem, json: bool, out: Path, *, over: tup
 
 
 def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: bool) -> int:
-    from equipoise.scattering import followed, tolerance
-    from equipoise.solving import cut
+    from equipoise.solving import cut, judged
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import verify as run
 
@@ -392,8 +391,7 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
         with staging(out) as stage:
             assert stage is not None
             found = run(found, out=stage)
-            if followed(found):
-                found = replace(found, tolerance=tolerance(found, problem.content.tolerances))
+            found = judged(found, problem)
             write_report(found, stage)
     except KeyboardInterrupt:
         # The design itself is finished work.
@@ -411,7 +409,7 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
 def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Path | None, *, full: bool) -> int:
     """One design for several cases: verified in each, reported in the hardest, a folder for every case."""
     from equipoise.reporting.jsonfile import dumps
-    from equipoise.scattering import followed, tolerance
+    from equipoise.solving import judged
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import insist
     from equipoise.verbs.verify import verify as run
@@ -429,9 +427,7 @@ def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Pa
         if stage is not None:
             if full:
                 shown = _told(designs[found.hardest], problem, out)
-                if followed(shown):
-                    shown = replace(shown, tolerance=tolerance(shown, problem.content.tolerances))
-                write_report(shown, stage)
+                write_report(judged(shown, problem), stage)
             (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")
     say("\n".join([str(found), *([] if out is None else [f"design      {out / 'design.json'}"])]))
     if full and out is not None:

@@ -15,6 +15,7 @@ from equipoise.comparing import Comparing
 from equipoise.discovery.request import Discover
 from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
 from equipoise.forms import Form, Later, Reading
+from equipoise.friction import Friction
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.places import REMEDY, problem_error, where
@@ -46,8 +47,8 @@ class ProblemFile:
     cases list mechanisms that one design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is
     how the base leans; compare says which joint `equipoise compare` looks at; make lists cams and drums that
     `equipoise make` cuts; trajectory, a motion or poses in order, is what a cable platform's motors are judged on;
-    tolerances says how far parts and robot may be off; discover says how `equipoise discover` looks for springs, in
-    the place of balancers.
+    tolerances says how far parts and robot may be off, friction how much they rub.
+    With discover in the place of balancers it says how `equipoise discover` looks for them.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -68,6 +69,7 @@ class ProblemFile:
     make: tuple[Annotated[Any, MAKE], ...] = ()
     discover: Discover | None = None
     tolerances: Scatter = field(default_factory=Scatter)
+    friction: Friction = field(default_factory=Friction)
     trajectory: Annotated[Any, SWEEP] | None = None
 
 

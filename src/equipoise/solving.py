@@ -170,6 +170,16 @@ def _behaving(design: Design, problem: Problem) -> Design:
     return replace(design, cables=behaviour(design, problem.trajectory))
 
 
+def judged(design: Design, problem: Problem) -> Design:
+    """The design with what scatter and friction make of it, by the problem's own figures."""
+    from equipoise.rubbing import dead_band, held
+    from equipoise.scattering import followed, tolerance
+
+    if followed(design):
+        design = replace(design, tolerance=tolerance(design, problem.content.tolerances))
+    return replace(design, dead_band=dead_band(design, problem.content.friction)) if held(design) else design
+
+
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:
     """Geometry and unknowns, with progress on stderr; whether Ctrl-C cut the search short."""
     search = problem.search
