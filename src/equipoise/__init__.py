@@ -134,6 +134,8 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "front": "verbs.front",
+    "Front": "verbs.front",
     "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
@@ -219,6 +221,7 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Front",
     "Gas",
     "GasSpring",
     "Gear",
@@ -302,6 +305,7 @@ __all__ = [
     "feasible",
     "five_bar",
     "four_bar",
+    "front",
     "gas_cylinder",
     "geometry_map",
     "grade",
@@ -484,6 +488,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.conditions import Conditions, conditions
+    from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
