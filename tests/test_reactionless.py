@@ -205,5 +205,5 @@ def test_the_front_of_moment_against_mass_begins_at_force_balance(bar):
     assert found.steps[0].value == pytest.approx(5.78867, rel=1e-3)
     assert all(b.value < a.value for a, b in zip(found.steps, found.steps[1:], strict=False))
     assert "0.7500 kg at least" in str(found)
-    with pytest.raises(eq.InfeasibleError, match="ask for 0.75 at least"):
+    with pytest.raises(eq.InfeasibleError, match=r"ask for 0\.75 at least"):
         eq.front(bar, flat_weights(), turn, objective=eq.Aim("moment"), limits=[eq.Balanced("force")], caps=[0.5])
