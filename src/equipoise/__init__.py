@@ -134,6 +134,9 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "reactionless_motion": "verbs.reactionless",
+    "ReactionlessMotion": "verbs.reactionless",
+    "spin_form": "spins",
     "front": "verbs.front",
     "Front": "verbs.front",
     "side_by_side": "verbs.side_by_side",
@@ -254,6 +257,7 @@ __all__ = [
     "ProblemError",
     "Profile",
     "Pulley",
+    "ReactionlessMotion",
     "Reel",
     "Sag",
     "ScotchYoke",
@@ -324,6 +328,7 @@ __all__ = [
     "platform_measure",
     "point_masses",
     "preferred_sizes",
+    "reactionless_motion",
     "report",
     "reproduce",
     "rrr3",
@@ -331,6 +336,7 @@ __all__ = [
     "shape",
     "side_by_side",
     "slider_crank",
+    "spin_form",
     "spline_floor",
     "stiffness",
     "substitute",
@@ -479,6 +485,7 @@ if TYPE_CHECKING:
     )
     from equipoise.problem import Problem, load_problem
     from equipoise.sag import Sag, sag_tension
+    from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
@@ -490,6 +497,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
+    from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
