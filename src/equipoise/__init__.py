@@ -46,6 +46,12 @@ _HOME = {
     "Gas": "balancers.laws",
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
+    "Scatter": "scattering",
+    "Friction": "friction",
+    "DeadBand": "rubbing",
+    "dead_band": "rubbing",
+    "Tolerance": "scattering",
+    "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
@@ -175,6 +181,12 @@ _HOME = {
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
+    "Pinion": "balancers.paths",
+    "ConstantTorque": "balancers.paths",
+    "Weight": "balancers.laws",
+    "Comparing": "comparing",
+    "Comparison": "verbs.compare",
+    "compare": "verbs.compare",
 }
 
 __all__ = [
@@ -196,6 +208,8 @@ __all__ = [
     "Case",
     "Claim",
     "Coil",
+    "Comparing",
+    "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
@@ -203,11 +217,13 @@ __all__ = [
     "ConstantForceCam",
     "ConstantForceSpring",
     "ConstantPressure",
+    "ConstantTorque",
     "Convex",
     "CounterRotor",
     "Counterweight",
     "Curvature",
     "Cycloidal",
+    "DeadBand",
     "Design",
     "DisagreementError",
     "Disc",
@@ -224,6 +240,7 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Friction",
     "Front",
     "Gas",
     "GasSpring",
@@ -246,6 +263,7 @@ __all__ = [
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pinion",
     "Plate",
     "Platform",
     "Point",
@@ -260,6 +278,7 @@ __all__ = [
     "ReactionlessMotion",
     "Reel",
     "Sag",
+    "Scatter",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -277,10 +296,12 @@ __all__ = [
     "Tilt",
     "TimePolynomial",
     "TimeSpline",
+    "Tolerance",
     "Torsion",
     "TorsionSpring",
     "Transmission",
     "Unknown",
+    "Weight",
     "WindUp",
     "Winding",
     "WireMass",
@@ -299,7 +320,9 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "compare",
     "conditions",
+    "dead_band",
     "delta",
     "distribute",
     "equilibria",
@@ -341,6 +364,7 @@ __all__ = [
     "stiffness",
     "substitute",
     "survey",
+    "tolerance",
     "verify",
     "wrench_matrix",
 ]
@@ -375,6 +399,7 @@ if TYPE_CHECKING:
         Nitrogen,
         Polynomial,
         Torsion,
+        Weight,
         WireMass,
         ZeroFreeLength,
         gas_cylinder,
@@ -385,12 +410,14 @@ if TYPE_CHECKING:
         Cable,
         Cam,
         ConstantEnergy,
+        ConstantTorque,
         Drum,
         FourBar,
         Gear,
         InvertedSliderCrank,
         Line,
         Mount,
+        Pinion,
         Profile,
         Pulley,
         Reel,
@@ -417,6 +444,7 @@ if TYPE_CHECKING:
     )
     from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
+    from equipoise.comparing import Comparing
     from equipoise.design import Design
     from equipoise.errors import (
         DisagreementError,
@@ -427,6 +455,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
+    from equipoise.friction import Friction
     from equipoise.limits import (
         Balanced,
         Convex,
@@ -484,7 +513,9 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
+    from equipoise.scattering import Scatter, Tolerance, tolerance
     from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
@@ -494,6 +525,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +16,7 @@ from mujoco.batch import Batch
 from equipoise.affine import Affine, Array, Block
 from equipoise.errors import InputError, nearest
 from equipoise.models.notices import errors, refusals
-from equipoise.units import Acceleration
+from equipoise.units import Acceleration, Joint
 
 if TYPE_CHECKING:
     from equipoise.states import States
@@ -95,6 +95,19 @@ class Mechanism:
         from equipoise.models.load import load
 
         return load(model, driven=driven, gravity=gravity, branch=branch, search=tuple(search))
+
+    def on_branch(self, branch: str, at: Mapping[str, Joint] | Array | None = None) -> Mechanism:
+        """The mechanism in one of the assemblies that its loops allow at positions of the driven joints.
+
+        at holds {joint: position} or all of them (nd,), rad or m (default and for joints left out: the reference's).
+        Branches are named after the dependent joint that tells them apart: `platform_x-`, `platform_x+`. Raises
+        LoopError naming the choices for any other name, or where nothing regular closes.
+        """
+        from equipoise.loops import on_branch
+        from equipoise.sweep import pose_vector
+
+        driven = at if isinstance(at, np.ndarray) else pose_vector(self, at or {})
+        return on_branch(self, np.asarray(driven, dtype=float), branch)
 
     def at(self, body: str, x: Any = 0.0, y: Any = 0.0, z: Any = 0.0) -> Point:
         """A point of a body in its own frame, m; raises InputError for a body that does not exist."""

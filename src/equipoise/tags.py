@@ -20,6 +20,7 @@ from equipoise.balancers.laws import (
     Nitrogen,
     Polynomial,
     Torsion,
+    Weight,
     WireMass,
     ZeroFreeLength,
     gas_cylinder,
@@ -30,6 +31,7 @@ from equipoise.balancers.paths import (
     Cable,
     Cam,
     ConstantEnergy,
+    ConstantTorque,
     Drum,
     FourBar,
     Gear,
@@ -37,6 +39,7 @@ from equipoise.balancers.paths import (
     Lift,
     Line,
     Path,
+    Pinion,
     Profile,
     Pulley,
     Reel,
@@ -119,7 +122,7 @@ BALANCERS: dict[str, Callable[..., Any]] = {
     "counter_rotor": CounterRotor,
     "flywheel": Flywheel,
 }
-TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
+TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear, "pinion": Pinion}
 SHAFTS: dict[str, Callable[..., Any]] = {**TURNS, "winding": Winding}
 PATHS: dict[str, Callable[..., Any]] = {
     "line": Line,
@@ -138,6 +141,7 @@ PROFILES: dict[str, Callable[..., Any]] = {
     "csv": Profile.csv,
     "pitch": Profile.pitch,
     "constant_energy": ConstantEnergy,
+    "constant_torque": ConstantTorque,
 }
 STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
@@ -146,6 +150,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "weight": Weight,
     "constant_pressure": ConstantPressure,
     "gas": Gas,
     "gas_cylinder": gas_cylinder,

@@ -12,6 +12,7 @@ from equipoise.balancers.laws.polynomial import Polynomial
 from equipoise.balancers.laws.stored import Stored
 from equipoise.balancers.laws.straight import Constant, Linear, ZeroFreeLength
 from equipoise.balancers.laws.torsion import Torsion
+from equipoise.balancers.laws.weight import Weight
 from equipoise.balancers.laws.wire import WireMass
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "Share",
     "Stored",
     "Torsion",
+    "Weight",
     "WireMass",
     "ZeroFreeLength",
     "gas_cylinder",
