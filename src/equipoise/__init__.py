@@ -105,7 +105,7 @@ _HOME = {
     "Aim": "objective",
     "Discover": "discovery.request",
     "KeepOut": "discovery.lattice",
-    "Front": "discovery.front",
+    "Discovery": "discovery.front",
     "Ideal": "discovery.kinds",
     "Coils": "discovery.kinds",
     "ConstantForce": "discovery.kinds",
@@ -150,6 +150,11 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "reactionless_motion": "verbs.reactionless",
+    "ReactionlessMotion": "verbs.reactionless",
+    "spin_form": "spins",
+    "front": "verbs.front",
+    "Front": "verbs.front",
     "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
@@ -236,6 +241,7 @@ __all__ = [
     "DisagreementError",
     "Disc",
     "Discover",
+    "Discovery",
     "Drive",
     "Drum",
     "DrumWithTorsion",
@@ -287,6 +293,7 @@ __all__ = [
     "ProblemError",
     "Profile",
     "Pulley",
+    "ReactionlessMotion",
     "Reel",
     "Sag",
     "Scatter",
@@ -345,6 +352,7 @@ __all__ = [
     "feasible",
     "five_bar",
     "four_bar",
+    "front",
     "gas_cylinder",
     "geometry_map",
     "grade",
@@ -363,6 +371,7 @@ __all__ = [
     "platform_measure",
     "point_masses",
     "preferred_sizes",
+    "reactionless_motion",
     "report",
     "reproduce",
     "rrr3",
@@ -370,6 +379,7 @@ __all__ = [
     "shape",
     "side_by_side",
     "slider_crank",
+    "spin_form",
     "spline_floor",
     "stiffness",
     "substitute",
@@ -456,7 +466,7 @@ if TYPE_CHECKING:
     from equipoise.claim import Claim
     from equipoise.comparing import Comparing
     from equipoise.design import Design
-    from equipoise.discovery.front import Front
+    from equipoise.discovery.front import Discovery
     from equipoise.discovery.kinds import (
         Coils,
         ConstantForce,
@@ -537,6 +547,7 @@ if TYPE_CHECKING:
     from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
     from equipoise.scattering import Scatter, Tolerance, tolerance
+    from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
@@ -548,7 +559,9 @@ if TYPE_CHECKING:
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.discover import discover
+    from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
+    from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape

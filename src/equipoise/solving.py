@@ -15,7 +15,7 @@ from equipoise.verbs import balance as verbs_balance
 from equipoise.verbs import shape as verbs_shape
 
 if TYPE_CHECKING:
-    from equipoise.discovery.front import Front
+    from equipoise.discovery.front import Discovery
     from equipoise.verbs.adjust import Adjusted
 
 
@@ -109,7 +109,7 @@ def discovery(file: str, payload: str | None, at: str | None, springs: int | Non
     return asked(_target(file), payload, at, springs, kinds)
 
 
-def discovered(problem: Problem, seed: int | None) -> tuple[Front, bool]:
+def discovered(problem: Problem, seed: int | None) -> tuple[Discovery, bool]:
     """The front of a problem, with progress on stderr; whether Ctrl-C cut the search short."""
     from equipoise.verbs.discover import discover
 

@@ -40,7 +40,7 @@ class Bound:
 
 
 @dataclass(frozen=True, eq=False)
-class Front:
+class Discovery:
     """Designs in order of their number of parts, each better than the one before.
 
     before is the objective without parts; alternatives are choices that lost; bounds the floors; candidates, poses,
@@ -79,7 +79,7 @@ class Front:
         """The folder of a design beside the others."""
         return f"springs_{len(design.balancers)}"
 
-    def with_designs(self, designs: tuple[Design, ...]) -> Front:
+    def with_designs(self, designs: tuple[Design, ...]) -> Discovery:
         """The same front with its designs verified, or told their problem."""
         return replace(self, designs=designs)
 

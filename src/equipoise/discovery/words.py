@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from equipoise.discovery.front import Bound, Front
+from equipoise.discovery.front import Bound, Discovery
 from equipoise.units import text
 
 CAUSES = {
@@ -11,7 +11,7 @@ CAUSES = {
 }
 
 
-def summary(front: Front) -> str:
+def summary(front: Discovery) -> str:
     """The front as the console prints it."""
     design = front.designs[0]
     lines = [
@@ -41,7 +41,7 @@ def summary(front: Front) -> str:
     return "\n".join(lines)
 
 
-def parts(front: Front, index: int) -> list[str]:
+def parts(front: Discovery, index: int) -> list[str]:
     """One line per part of a design."""
     found = []
     for part in front.designs[index].parts():

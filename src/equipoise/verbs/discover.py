@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
-from equipoise.discovery.front import BETTER, Alternative, Front, bounds_of
+from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
 from equipoise.discovery.refine import Parts, Refined, Refiner, additions, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
@@ -52,7 +52,7 @@ def discover(
     limits: Sequence[Limit] = (),
     seed: int = 0,
     progress: Progress | None = None,
-) -> Front:
+) -> Discovery:
     """Find which springs to add, where, and how big: the front of their number against what motors still hold.
 
     A dictionary of candidates is compressed to its rank and searched for the best subsets (pairs exhaustively, more
@@ -102,7 +102,7 @@ def discover(
             where="discover",
             hint="relax the limits, or widen margin and spacing",
         )
-    return Front(
+    return Discovery(
         designs=tuple(found.designs),
         aim=aim,
         unit=aim.unit(mechanism),
