@@ -46,6 +46,12 @@ _HOME = {
     "Gas": "balancers.laws",
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
+    "Scatter": "scattering",
+    "Friction": "friction",
+    "DeadBand": "rubbing",
+    "dead_band": "rubbing",
+    "Tolerance": "scattering",
+    "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
@@ -173,6 +179,9 @@ _HOME = {
     "Pinion": "balancers.paths",
     "ConstantTorque": "balancers.paths",
     "Weight": "balancers.laws",
+    "Comparing": "comparing",
+    "Comparison": "verbs.compare",
+    "compare": "verbs.compare",
 }
 
 __all__ = [
@@ -194,6 +203,8 @@ __all__ = [
     "Case",
     "Claim",
     "Coil",
+    "Comparing",
+    "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
@@ -207,6 +218,7 @@ __all__ = [
     "Counterweight",
     "Curvature",
     "Cycloidal",
+    "DeadBand",
     "Design",
     "DisagreementError",
     "Disc",
@@ -223,6 +235,7 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Friction",
     "Gas",
     "GasSpring",
     "Gear",
@@ -258,6 +271,7 @@ __all__ = [
     "Pulley",
     "Reel",
     "Sag",
+    "Scatter",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -275,6 +289,7 @@ __all__ = [
     "Tilt",
     "TimePolynomial",
     "TimeSpline",
+    "Tolerance",
     "Torsion",
     "TorsionSpring",
     "Transmission",
@@ -298,7 +313,9 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "compare",
     "conditions",
+    "dead_band",
     "delta",
     "distribute",
     "equilibria",
@@ -337,6 +354,7 @@ __all__ = [
     "stiffness",
     "substitute",
     "survey",
+    "tolerance",
     "verify",
     "wrench_matrix",
 ]
@@ -416,6 +434,7 @@ if TYPE_CHECKING:
     )
     from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
+    from equipoise.comparing import Comparing
     from equipoise.design import Design
     from equipoise.errors import (
         DisagreementError,
@@ -426,6 +445,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
+    from equipoise.friction import Friction
     from equipoise.limits import (
         Balanced,
         Convex,
@@ -483,7 +503,9 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
+    from equipoise.scattering import Scatter, Tolerance, tolerance
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
@@ -492,6 +514,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report

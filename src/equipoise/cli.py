@@ -241,6 +241,37 @@ def side_by_side(
 
 @app.command()
 @guarded
+def compare(file: File, json: Json = False, out: Out = None, starts: Starts = None) -> int:
+    """A working member of every family of balancers for one joint, side by side and ranked."""
+    from equipoise.reporting.comparison import markdown
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.targets import target_of
+    from equipoise.verbs.compare import STARTS
+    from equipoise.verbs.compare import compare as run
+
+    problem = target_of(file).problem
+    norm = next(aim.norm for aim in problem.objective if aim.cap is None)
+    with problem.at_names():
+        found = run(
+            problem.mechanism,
+            problem.sweep,
+            problem.content.compare,
+            norm=norm,
+            starts=starts or STARTS,
+            progress=lambda name: say(f"designing {name}"),
+        )
+    say(str(found))
+    with staging(out) as stage:
+        if stage is not None:
+            (stage / "comparison.json").write_text(dumps(found.json()), encoding="utf-8")
+            (stage / "comparison.md").write_text(markdown(found) + "\n", encoding="utf-8")
+    if json:
+        emit(found.json())
+    return 0
+
+
+@app.command()
+@guarded
 def reproduce(
     paper: Annotated[str | None, typer.Argument(metavar="[PAPER]", help="A paper, or a part of its name.")] = None,
     json: Json = False,
@@ -319,14 +350,22 @@ def _mapped(found: Design, problem: Problem, json: bool, out: Path, *, over: tup
 
 
 def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: bool) -> int:
+    from equipoise.solving import cut, judged
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import verify as run
 
     found = _told(found, problem, out)
+    refused = None
+    try:
+        found = replace(found, made=tuple(cut(problem, found)))
+    except InputError as error:
+        # The springs are found all the same.
+        refused = error
     try:
         with staging(out) as stage:
             assert stage is not None
             found = run(found, out=stage)
+            found = judged(found, problem)
             write_report(found, stage)
     except KeyboardInterrupt:
         # The design itself is finished work.
@@ -334,12 +373,17 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
             _write(found, stage)
         say(f"stopped during verification and report; the design is in {out / 'design.json'}")
         return STOPPED
-    return _conclude(found, json, stopped, [*_written(out, found), f"report      {out / 'report.html'}"])
+    parts = [f"part        {out / f'{part.name}.dxf'}" for part in found.made]
+    code = _conclude(found, json, stopped, [*_written(out, found), *parts, f"report      {out / 'report.html'}"])
+    if refused is not None:
+        raise refused
+    return code
 
 
 def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Path | None, *, full: bool) -> int:
     """One design for several cases: verified in each, reported in the hardest, a folder for every case."""
     from equipoise.reporting.jsonfile import dumps
+    from equipoise.solving import judged
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import insist
     from equipoise.verbs.verify import verify as run
@@ -356,7 +400,8 @@ def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Pa
         found = replace(found, designs=tuple(designs))
         if stage is not None:
             if full:
-                write_report(_told(designs[found.hardest], problem, out), stage)
+                shown = _told(designs[found.hardest], problem, out)
+                write_report(judged(shown, problem), stage)
             (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")
     say("\n".join([str(found), *([] if out is None else [f"design      {out / 'design.json'}"])]))
     if full and out is not None:

@@ -68,11 +68,16 @@ def made_parts(file: str) -> tuple[list[Part], Problem]:
         )
     needs_design = any(hasattr(request, "spring") for request in asked)
     design = found_design(file, "make")[0] if needs_design else None
+    return cut(target.problem, design), target.problem
+
+
+def cut(problem: Problem, design: Design | None) -> list[Part]:
+    """The cams and drums that a problem asks for; errors name the request."""
     parts = []
-    for index, request in enumerate(asked):
-        with target.problem.at("make", index):
-            parts.append(request.part(target.problem.mechanism, design))
-    return parts, target.problem
+    for index, request in enumerate(problem.content.make):
+        with problem.at("make", index):
+            parts.append(request.part(problem.mechanism, design))
+    return parts
 
 
 def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adjusted, bool]:
@@ -115,6 +120,16 @@ def _behaving(design: Design, problem: Problem) -> Design:
     from equipoise.cables.behaviour import behaviour
 
     return replace(design, cables=behaviour(design, problem.trajectory))
+
+
+def judged(design: Design, problem: Problem) -> Design:
+    """The design with what scatter and friction make of it, by the problem's own figures."""
+    from equipoise.rubbing import dead_band, held
+    from equipoise.scattering import followed, tolerance
+
+    if followed(design):
+        design = replace(design, tolerance=tolerance(design, problem.content.tolerances))
+    return replace(design, dead_band=dead_band(design, problem.content.friction)) if held(design) else design
 
 
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:

@@ -285,7 +285,11 @@ def objective_words(design: Design) -> str:
     """`the peak over all driven joints`, with weights, caps and divisors where there are any."""
     words = []
     for aim in design.objective:
-        what = f"the {aim.norm} over {', '.join(aim.joints) if aim.joints else 'all driven joints'}"
+        if aim.goal in ("hold", "drive"):
+            what = f"the {aim.norm} over {', '.join(aim.joints) if aim.joints else 'all driven joints'}"
+        else:
+            what = "the added mass" if aim.goal == "mass" else f"the {aim.norm} of the {aim.goal}"
+            what = what.replace("wrench", "resultant on the platform")
         what += ", each as a share of its motor limit" if aim.divisor else ""
         number, unit = shown(aim.cap or 0.0, aim.unit(design.mechanism))
         weight = "" if aim.weight == 1 else f"{plain(aim.weight)} x "

@@ -50,7 +50,7 @@ def _cells(row: Row, reference: float) -> list[Raw]:
     cells = []
     for norm in ("peak", "rms", "mean"):
         value = seen(getattr(row, norm))
-        share = percent(value / reference) if reference > 0 and value >= 1e-9 * reference else "0 %"
+        share = percent(value / reference) if seen(reference) and value >= 1e-9 * reference else "" if value else "0 %"
         lines = [clean(sig(value)), small(share)]
         if norm == "peak":
             lines.append(small(f"sampled {sig(seen(row.sample_peak))}"))
@@ -65,7 +65,7 @@ def parts(design: Design) -> Raw:
         spring = isinstance(balancer, Spring)
         words = phrases.law_words(part, balancer) if spring else phrases.weight_words(part, design)
         ends = [[end["body"], *(_coordinate(value) for value in end["at"])] for end in part["ends"]]
-        where = table(["attached to link", "x [mm]", "y [mm]", "z [mm]"], ends, numbers=1)
+        where = table(["attached to link", "x [mm]", "y [mm]", "z [mm]"], ends, numbers=1) if ends else Raw("")
         led = [element("p", path_words(balancer.path))] if spring and not isinstance(balancer.path, Line) else []
         does = table(["over the sweep", ""], _facts(part), numbers=1) if spring else Raw("")
         blocks += [element("h3", f"{part['name']}: {words}"), *led, element("div", where, does, class_="pair")]

@@ -10,9 +10,13 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.paths.line import Line
 from equipoise.balancers.paths.path import Path, Place, Sketch
+from equipoise.balancers.paths.rub import Rub, after
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
+
+UPRIGHT = np.array([0.0, -1.0, 0.0])
+"""The axis about which a reel is drawn: across the plane of planar platforms."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +35,10 @@ class Reel(Path):
     def along(self, length: Array) -> tuple[Array, Array]:
         """The cable's own length."""
         return length, np.ones_like(length)
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """The cable on its reel."""
+        return after("rope", self.deform(states)[1])
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """A spring on a reel loads the platform with none of its own mass."""
@@ -51,6 +59,7 @@ class Reel(Path):
         return tendon
 
     def sketch(self, states: States, row: int) -> Sketch:
-        """The cable from its anchor to the platform."""
+        """The cable from its anchor to the platform, and the spring wound up at the anchor."""
         ends = states.mechanism.cable(self.cable)
-        return Sketch(spring=np.stack([states.point(point)[0][row] for point in ends]), anchors=ends)
+        line = np.stack([states.point(point)[0][row] for point in ends])
+        return Sketch(lines=(line,), spirals=((line[0], UPRIGHT),), anchors=ends)
