@@ -118,8 +118,9 @@ class Loop:
 def inverted(slope: Array, clear: float) -> tuple[Array, Array]:
     """Pseudo-inverses (N, n, m) of matrices (N, m, n), and the n-th singular value (N,) or a lower bound of it.
 
-    The normal equations give slope^+ and with it 1 / |slope^+|_F <= sigma. Only where that bound falls below `clear`,
-    or the normal equations lose half the digits, does the singular value decomposition tell the value itself.
+    The normal equations give G = slope' slope, slope^+ = G^-1 slope' and |G^-1|_F^(-1/2) <= sigma. Only where that bound
+    falls below `clear`, or the normal equations lose half the digits, does the singular value decomposition tell the
+    value itself.
     """
     count = slope.shape[2]
     if not count or slope.shape[1] < count:
@@ -128,9 +129,10 @@ def inverted(slope: Array, clear: float) -> tuple[Array, Array]:
     gram = normal @ slope
     size = np.trace(gram, axis1=1, axis2=2)
     gram[:, range(count), range(count)] += 1e-15 * size[:, None] + 1e-300
-    inverse = np.linalg.inv(gram) @ normal
+    back = np.linalg.inv(gram)
+    inverse = back @ normal
     with np.errstate(all="ignore"):
-        sigma = 1.0 / np.sqrt(np.einsum("nij,nij->n", inverse, inverse))
+        sigma = np.einsum("nij,nij->n", back, back) ** -0.25
         late = np.flatnonzero(~(sigma > np.maximum(clear, 1e-4 * np.sqrt(size))))
     if late.size:
         inverse[late], sigma[late] = _decomposed(slope[late])
