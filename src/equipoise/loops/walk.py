@@ -118,7 +118,7 @@ class Loop:
 def inverted(slope: Array, clear: float) -> tuple[Array, Array]:
     """Pseudo-inverses (N, n, m) of matrices (N, m, n), and the n-th singular value (N,) or a lower bound of it.
 
-    The normal equations give G = slope' slope, slope^+ = G^-1 slope' and |G^-1|_F^(-1/2) <= sigma. Only where that bound
+    The normal equations give G = slope' slope, slope^+ = G^-1 slope', |G^-1|_F^(-1/2) <= sigma. Only where that bound
     falls below `clear`, or the normal equations lose half the digits, does the singular value decomposition tell the
     value itself.
     """
