@@ -245,6 +245,7 @@ def test_progress_shows_only_on_a_terminal(monkeypatch, capsys):
 
 def test_every_command_is_in_the_help():
     assert {command.name or command.callback.__name__ for command in cli.app.registered_commands} == {
-        "analyze", "conditions", "side_by_side", "balance", "shape", "design", "verify", "make", "report", "compare",
-        "reproduce", "schema",
+        "analyze", "conditions", "front", "side_by_side", "balance", "shape", "design", "verify", "make",
+        "report", "reproduce", "schema",
+        "compare",
     }  # fmt: skip

@@ -140,6 +140,11 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "reactionless_motion": "verbs.reactionless",
+    "ReactionlessMotion": "verbs.reactionless",
+    "spin_form": "spins",
+    "front": "verbs.front",
+    "Front": "verbs.front",
     "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
@@ -236,6 +241,7 @@ __all__ = [
     "Force",
     "FourBar",
     "Friction",
+    "Front",
     "Gas",
     "GasSpring",
     "Gear",
@@ -269,6 +275,7 @@ __all__ = [
     "ProblemError",
     "Profile",
     "Pulley",
+    "ReactionlessMotion",
     "Reel",
     "Sag",
     "Scatter",
@@ -325,6 +332,7 @@ __all__ = [
     "feasible",
     "five_bar",
     "four_bar",
+    "front",
     "gas_cylinder",
     "geometry_map",
     "grade",
@@ -343,6 +351,7 @@ __all__ = [
     "platform_measure",
     "point_masses",
     "preferred_sizes",
+    "reactionless_motion",
     "report",
     "reproduce",
     "rrr3",
@@ -350,6 +359,7 @@ __all__ = [
     "shape",
     "side_by_side",
     "slider_crank",
+    "spin_form",
     "spline_floor",
     "stiffness",
     "substitute",
@@ -506,6 +516,7 @@ if TYPE_CHECKING:
     from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
     from equipoise.scattering import Scatter, Tolerance, tolerance
+    from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
@@ -516,7 +527,9 @@ if TYPE_CHECKING:
     from equipoise.verbs.balance import balance
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
+    from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
+    from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape

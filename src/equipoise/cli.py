@@ -218,6 +218,47 @@ def report(file: Made, json: Json = False, out: Out = None) -> int:
 
 @app.command()
 @guarded
+def front(
+    file: File,
+    json: Json = False,
+    out: Out = None,
+    against: Annotated[str, typer.Option("--against", help="What it costs: mass, or another goal's peak.")] = "mass",
+    caps: Annotated[str | None, typer.Option("--caps", help="Growing caps, such as '26 kg, 28 kg, 30 kg'.")] = None,
+    points: Annotated[int, typer.Option("--points", min=2, help="How many caps where none are given.")] = 8,
+) -> int:
+    """The objective's best value for every amount of added mass (or of another goal), each with its proof."""
+    from equipoise.objective import goal_blocks
+    from equipoise.solving import solvable_problem
+    from equipoise.units import to_si
+    from equipoise.verbs.front import front as run
+
+    problem = solvable_problem(file, "front")
+    unit = goal_blocks(problem.mechanism, against)[0].unit
+    given = None if caps is None else [to_si(_number(text), unit, "--caps") for text in caps.split(",")]
+    with problem.at_names():
+        found = run(
+            problem.mechanism, problem.balancers, problem.sweep, objective=problem.objective, against=against,
+            caps=given, points=points, limits=problem.limits,
+        )  # fmt: skip
+    say(str(found))
+    with staging(out) as stage:
+        files = found.write(stage) if stage is not None else []
+    for one in files:
+        say(f"front       {one.name}")
+    if json:
+        emit(found.json())
+    return 0
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip()
+
+
+@app.command()
+@guarded
 def side_by_side(
     files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Problem files or designs of one mechanism.")],
     json: Json = False,

@@ -114,6 +114,7 @@ SWEEPS: dict[str, Callable[..., Any]] = {
     "poses": Sweep.of_poses,
     "motion": Sweep.motion,
     "any_motion": Sweep.any_motion,
+    "reactionless": Sweep.reactionless,
 }
 BALANCERS: dict[str, Callable[..., Any]] = {
     "spring": Spring,
