@@ -192,14 +192,15 @@ def verify(
 @app.command()
 @guarded
 def make(file: Made, json: Json = False, out: Out = None) -> int:
-    """Cams and drums of the file's `make` block: profiles as DXF and CSV, with the wrapped cord simulated."""
+    """Cams and drums of the file's `make` block: profiles as DXF, CSV and SVG, with the wrapped cord simulated."""
+    from equipoise.reporting.plots import draw_part
     from equipoise.solving import made_parts
 
     parts, problem = made_parts(file)
     folder = out or _default_out(problem)
     with staging(folder) as stage:
         assert stage is not None
-        names = [path.name for part in parts for path in part.write(stage)]
+        names = [path.name for part in parts for path in (*part.write(stage), draw_part(part, stage))]
     say("\n".join([*map(str, parts), *(f"file        {folder / name}" for name in names)]))
     if json:
         emit({"parts": [part.facts() for part in parts]})
