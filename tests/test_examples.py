@@ -191,7 +191,7 @@ def test_four_bar_balance():
 
 
 def test_ur10_pick_and_place():
-    """Heat by MuJoCo's inverse dynamics on a spline through the file; work of a closed cycle; springs in motion."""
+    """Heat by MuJoCo on a spline through the file; work of a closed cycle; springs in motion."""
     from scipy.interpolate import make_interp_spline
 
     design = run("ur10_pick_and_place")

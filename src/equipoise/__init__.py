@@ -46,6 +46,12 @@ _HOME = {
     "Gas": "balancers.laws",
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
+    "Scatter": "scattering",
+    "Friction": "friction",
+    "DeadBand": "rubbing",
+    "dead_band": "rubbing",
+    "Tolerance": "scattering",
+    "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
@@ -97,6 +103,16 @@ _HOME = {
     "SpringIndex": "limits",
     "Extension": "limits",
     "Aim": "objective",
+    "Discover": "discovery.request",
+    "KeepOut": "discovery.lattice",
+    "Discovery": "discovery.front",
+    "Ideal": "discovery.kinds",
+    "Coils": "discovery.kinds",
+    "ConstantForce": "discovery.kinds",
+    "GasStruts": "discovery.kinds",
+    "TorsionSprings": "discovery.kinds",
+    "Counterweights": "discovery.kinds",
+    "discover": "verbs.discover",
     "Design": "design",
     "chain": "models.chain",
     "DrumWithTorsion": "make",
@@ -134,6 +150,11 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "reactionless_motion": "verbs.reactionless",
+    "ReactionlessMotion": "verbs.reactionless",
+    "spin_form": "spins",
+    "front": "verbs.front",
+    "Front": "verbs.front",
     "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
@@ -173,6 +194,9 @@ _HOME = {
     "Pinion": "balancers.paths",
     "ConstantTorque": "balancers.paths",
     "Weight": "balancers.laws",
+    "Comparing": "comparing",
+    "Comparison": "verbs.compare",
+    "compare": "verbs.compare",
 }
 
 __all__ = [
@@ -194,10 +218,14 @@ __all__ = [
     "Case",
     "Claim",
     "Coil",
+    "Coils",
+    "Comparing",
+    "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
     "ConstantEnergy",
+    "ConstantForce",
     "ConstantForceCam",
     "ConstantForceSpring",
     "ConstantPressure",
@@ -205,11 +233,15 @@ __all__ = [
     "Convex",
     "CounterRotor",
     "Counterweight",
+    "Counterweights",
     "Curvature",
     "Cycloidal",
+    "DeadBand",
     "Design",
     "DisagreementError",
     "Disc",
+    "Discover",
+    "Discovery",
     "Drive",
     "Drum",
     "DrumWithTorsion",
@@ -223,13 +255,18 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Friction",
+    "Front",
     "Gas",
     "GasSpring",
+    "GasStruts",
     "Gear",
     "HydroPneumatic",
+    "Ideal",
     "InfeasibleError",
     "InputError",
     "InvertedSliderCrank",
+    "KeepOut",
     "Length",
     "Line",
     "Linear",
@@ -256,8 +293,10 @@ __all__ = [
     "ProblemError",
     "Profile",
     "Pulley",
+    "ReactionlessMotion",
     "Reel",
     "Sag",
+    "Scatter",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -275,8 +314,10 @@ __all__ = [
     "Tilt",
     "TimePolynomial",
     "TimeSpline",
+    "Tolerance",
     "Torsion",
     "TorsionSpring",
+    "TorsionSprings",
     "Transmission",
     "Unknown",
     "Weight",
@@ -298,8 +339,11 @@ __all__ = [
     "chain",
     "clearance",
     "closure",
+    "compare",
     "conditions",
+    "dead_band",
     "delta",
+    "discover",
     "distribute",
     "equilibria",
     "exact_mean",
@@ -308,6 +352,7 @@ __all__ = [
     "feasible",
     "five_bar",
     "four_bar",
+    "front",
     "gas_cylinder",
     "geometry_map",
     "grade",
@@ -326,6 +371,7 @@ __all__ = [
     "platform_measure",
     "point_masses",
     "preferred_sizes",
+    "reactionless_motion",
     "report",
     "reproduce",
     "rrr3",
@@ -333,10 +379,12 @@ __all__ = [
     "shape",
     "side_by_side",
     "slider_crank",
+    "spin_form",
     "spline_floor",
     "stiffness",
     "substitute",
     "survey",
+    "tolerance",
     "verify",
     "wrench_matrix",
 ]
@@ -416,7 +464,19 @@ if TYPE_CHECKING:
     )
     from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
+    from equipoise.comparing import Comparing
     from equipoise.design import Design
+    from equipoise.discovery.front import Discovery
+    from equipoise.discovery.kinds import (
+        Coils,
+        ConstantForce,
+        Counterweights,
+        GasStruts,
+        Ideal,
+        TorsionSprings,
+    )
+    from equipoise.discovery.lattice import KeepOut
+    from equipoise.discovery.request import Discover
     from equipoise.errors import (
         DisagreementError,
         EquipoiseError,
@@ -426,6 +486,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
+    from equipoise.friction import Friction
     from equipoise.limits import (
         Balanced,
         Convex,
@@ -483,7 +544,10 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
+    from equipoise.scattering import Scatter, Tolerance, tolerance
+    from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
@@ -492,8 +556,12 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
+    from equipoise.verbs.discover import discover
+    from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
+    from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape

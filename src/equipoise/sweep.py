@@ -300,6 +300,25 @@ class Sweep:
         return _with_payload(mechanism, sweep, payload)
 
     @staticmethod
+    def reactionless(
+        mechanism: Mechanism,
+        path: Mapping[str, Driver | Any],
+        *,
+        duration: Time,
+        start: Mapping[str, Joint] | None = None,
+        samples: int = INSTANTS,
+    ) -> Sweep:
+        """The motion of a force-balanced mechanism along a path that leaves no moment at the base.
+
+        path {joint: driver} prescribes as many joints, driven or not (`platform_x`), as zero angular momentum leaves;
+        what is left open, such as the platform's orientation, follows: see `reactionless_motion`. It begins at the
+        reference, or at `start` {driven joint: position}.
+        """
+        from equipoise.verbs.reactionless import reactionless_motion
+
+        return reactionless_motion(mechanism, path, duration=duration, start=start).sweep(samples)
+
+    @staticmethod
     def any_motion(
         mechanism: Mechanism,
         n: int = 256,
