@@ -133,4 +133,4 @@ def test_caps_that_conflict_are_named_together(folder, capsys):
     capsys.readouterr()
     code, told = said(capsys, folder, BAR + TURN + weights + f"objective: {alone.replace('20 kg', '0.1 kg')}\n")
     assert code == 1
-    assert all(word in told for word in ("rms of force <= 100", "peak of mass <= 0.1"))
+    assert all(word in told for word in ("rms of force <= 100", "of mass <= 0.1"))
