@@ -103,6 +103,16 @@ _HOME = {
     "SpringIndex": "limits",
     "Extension": "limits",
     "Aim": "objective",
+    "Discover": "discovery.request",
+    "KeepOut": "discovery.lattice",
+    "Discovery": "discovery.front",
+    "Ideal": "discovery.kinds",
+    "Coils": "discovery.kinds",
+    "ConstantForce": "discovery.kinds",
+    "GasStruts": "discovery.kinds",
+    "TorsionSprings": "discovery.kinds",
+    "Counterweights": "discovery.kinds",
+    "discover": "verbs.discover",
     "Design": "design",
     "chain": "models.chain",
     "DrumWithTorsion": "make",
@@ -208,12 +218,14 @@ __all__ = [
     "Case",
     "Claim",
     "Coil",
+    "Coils",
     "Comparing",
     "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
     "ConstantEnergy",
+    "ConstantForce",
     "ConstantForceCam",
     "ConstantForceSpring",
     "ConstantPressure",
@@ -221,12 +233,15 @@ __all__ = [
     "Convex",
     "CounterRotor",
     "Counterweight",
+    "Counterweights",
     "Curvature",
     "Cycloidal",
     "DeadBand",
     "Design",
     "DisagreementError",
     "Disc",
+    "Discover",
+    "Discovery",
     "Drive",
     "Drum",
     "DrumWithTorsion",
@@ -244,11 +259,14 @@ __all__ = [
     "Front",
     "Gas",
     "GasSpring",
+    "GasStruts",
     "Gear",
     "HydroPneumatic",
+    "Ideal",
     "InfeasibleError",
     "InputError",
     "InvertedSliderCrank",
+    "KeepOut",
     "Length",
     "Line",
     "Linear",
@@ -299,6 +317,7 @@ __all__ = [
     "Tolerance",
     "Torsion",
     "TorsionSpring",
+    "TorsionSprings",
     "Transmission",
     "Unknown",
     "Weight",
@@ -324,6 +343,7 @@ __all__ = [
     "conditions",
     "dead_band",
     "delta",
+    "discover",
     "distribute",
     "equilibria",
     "exact_mean",
@@ -446,6 +466,17 @@ if TYPE_CHECKING:
     from equipoise.claim import Claim
     from equipoise.comparing import Comparing
     from equipoise.design import Design
+    from equipoise.discovery.front import Discovery
+    from equipoise.discovery.kinds import (
+        Coils,
+        ConstantForce,
+        Counterweights,
+        GasStruts,
+        Ideal,
+        TorsionSprings,
+    )
+    from equipoise.discovery.lattice import KeepOut
+    from equipoise.discovery.request import Discover
     from equipoise.errors import (
         DisagreementError,
         EquipoiseError,
@@ -527,6 +558,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.balance import balance
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
+    from equipoise.verbs.discover import discover
     from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion

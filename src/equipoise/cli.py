@@ -15,6 +15,7 @@ from equipoise.errors import DisagreementError, InputError, nearest
 
 if TYPE_CHECKING:
     from equipoise.design import Design
+    from equipoise.discovery.front import Discovery
     from equipoise.problem import Problem
     from equipoise.solve.program import Norm
     from equipoise.verbs.adjust import Adjusted
@@ -158,14 +159,39 @@ def shape(
 @app.command()
 @guarded
 def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, starts: Starts = None) -> int:
-    """Shape (or balance), verify and report in one go."""
-    from equipoise.solving import balanced, served, shaped, solvable_problem
+    """Shape, balance or discover, verify and report in one go."""
+    from equipoise.solving import balanced, designed, served, shaped, solvable_problem
 
+    chosen = designed(file, seed)
+    if chosen is not None:
+        found, problem, stopped = chosen
+        return _reported(found, problem, json, out or _default_out(problem), stopped)
     problem = solvable_problem(file, "design")
     if problem.cases:
         return _serve(*served(problem, seed, starts), problem, json, out or _default_out(problem), full=True)
     found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
     return _reported(found, problem, json, out or _default_out(problem), stopped)
+
+
+@app.command()
+@guarded
+def discover(
+    file: File,
+    *,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+    payload: Annotated[str | None, typer.Option("--payload", metavar="MASSES", help="Masses to carry: 0,5kg.")] = None,
+    at: Annotated[str | None, typer.Option("--at", metavar="BODY", help="The body that carries them.")] = None,
+    springs: Annotated[int | None, typer.Option("--springs", min=1, help="The largest number of springs.")] = None,
+    kinds: Annotated[str | None, typer.Option("--kinds", metavar="LIST", help="zero_free_length,coil,...")] = None,
+) -> int:
+    """Which springs at all: the best designs with 1, 2, 3, ... of them, verified."""
+    from equipoise.solving import discovered, discovery
+
+    problem = discovery(file, payload, at, springs, kinds)
+    front, stopped = discovered(problem, seed)
+    return _fronted(front, problem, json, out, stopped)
 
 
 @app.command()
@@ -192,14 +218,15 @@ def verify(
 @app.command()
 @guarded
 def make(file: Made, json: Json = False, out: Out = None) -> int:
-    """Cams and drums of the file's `make` block: profiles as DXF and CSV, with the wrapped cord simulated."""
+    """Cams and drums of the file's `make` block: profiles as DXF, CSV and SVG, with the wrapped cord simulated."""
+    from equipoise.reporting.plots import draw_part
     from equipoise.solving import made_parts
 
     parts, problem = made_parts(file)
     folder = out or _default_out(problem)
     with staging(folder) as stage:
         assert stage is not None
-        names = [path.name for part in parts for path in part.write(stage)]
+        names = [path.name for part in parts for path in (*part.write(stage), draw_part(part, stage))]
     say("\n".join([*map(str, parts), *(f"file        {folder / name}" for name in names)]))
     if json:
         emit({"parts": [part.facts() for part in parts]})
@@ -458,6 +485,45 @@ def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Pa
             insist(design)
     except DisagreementError as error:
         reasons.append(str(error))
+    for reason in reasons:
+        say(f"error: {reason}")
+    return 1 if reasons else 0
+
+
+def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:
+    """Verify the designs of a front, write them, and say what there is to say."""
+    from equipoise.discovery.ask import design_problem
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.verbs.verify import insist
+    from equipoise.verbs.verify import verify as run
+
+    lines, reasons, made = [], [], []
+    with staging(out) as stage:
+        for design in front.designs:
+            folder = None if stage is None else stage / front.folder(design)
+            if folder is not None:
+                folder.mkdir()
+            place = None if out is None else out / front.folder(design)
+            told = _told(design, design_problem(design, problem), place)
+            found = told if stopped else run(told, out=folder)
+            made.append(found)
+            _write(found, folder)
+            lines += _written(place, found)
+            try:
+                insist(found)
+            except DisagreementError as error:
+                reasons.append(str(error))
+        front = front.with_designs(tuple(made))
+        if stage is not None:
+            (stage / "front.json").write_text(dumps(front.json()), encoding="utf-8")
+    lines += [f"front       {out / 'front.json'}"] if out is not None else []
+    say("\n".join([str(front), *lines]))
+    if json:
+        emit(front.json())
+    if stopped:
+        return STOPPED
+    missed = [design.missed for design in front.designs]
+    reasons += [f"target missed by every design: {missed[-1]}"] if all(missed) else []
     for reason in reasons:
         say(f"error: {reason}")
     return 1 if reasons else 0
