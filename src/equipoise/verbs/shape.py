@@ -99,7 +99,7 @@ def shape(
         raise InputError("no geometry is free", where="shape", hint="name parameters with bounds, or use balance")
     if starts < 1:
         raise InputError(f"{starts} starts", where="shape", hint="use at least one")
-    freedoms = tuple(_freedom(balancers, name, bounds) for name, bounds in free.items())
+    freedoms = tuple(freedom_of(balancers, name, bounds) for name, bounds in free.items())
     _once(balancers, free)
     open_ones = {f.name: (f.lower + f.upper) / 2 for f in freedoms if read(balancers, f.name) is None}
     task = task_of(mechanism, write(balancers, open_ones), sweep, norm, objective, limits)
@@ -128,7 +128,8 @@ def shape(
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
 
 
-def _freedom(balancers: Sequence[Balancer], name: str, bounds: tuple[float, float]) -> Freedom:
+def freedom_of(balancers: Sequence[Balancer], name: str, bounds: tuple[float, float]) -> Freedom:
+    """A parameter with its bounds; raises InputError for bounds that are reversed or not finite."""
     low, high = (float(bound) for bound in bounds)
     if not (np.isfinite(low) and np.isfinite(high)):
         raise InputError(f"the bounds of {name} are not finite", where=f"shape.{name}")
