@@ -1,4 +1,4 @@
-"""Many small problems side by side: Levenberg-Marquardt with limits, one step for all candidates that still move."""
+"""Many small problems side by side: sequential quadratic programming, one step for all candidates that still move."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from numpy.typing import NDArray
 from equipoise.affine import Array
 from equipoise.solve.program import Program
 from equipoise.solve.shape import STEP
+from equipoise.solve.small import quadratic
 
-ROUNDS = 8
-STEPS = 12
-STIFFNESS = 10.0
-HARDER = 4.0
-ENOUGH = 1e-7
-"""Relative excess of a limit at which a candidate needs no further round."""
-STILL = 1e-8
-"""Relative gain below which a candidate stands still."""
-STUCK = 1e10
+STEPS = 40
+PRICE = 100.0
+"""Of one unit of relative excess, in units of the squared residual of what nothing balances."""
+RADIUS = 0.2
+STILL = 1e-9
+"""Predicted gain below which a candidate stands still, in the same units."""
+SMALL = 1e-8
+FAR = 5.0
+"""Relative room of a limit that no step uses up."""
 
-Which = NDArray[np.int_]
+Which = NDArray[np.intp]
 Many = Callable[[Which, Array], Program]
 """(which candidates (K,), their geometries (K, G), complex where derivatives are asked) -> their program."""
 
@@ -46,103 +47,166 @@ class _Here:
     excess: Array
     steepness: Array
 
+    @property
+    def parts(self) -> tuple[Array, Array, Array, Array]:
+        """All arrays."""
+        return self.residual, self.slope, self.excess, self.steepness
 
-def fit(many: Many, lower: Array, upper: Array, gamma: Array, theta: Array, load: float) -> Fitted:
+    def take(self, rows: Which | NDArray[np.bool_]) -> _Here:
+        """Some of the candidates."""
+        return _Here(*(part[rows] for part in self.parts))
+
+    def put(self, rows: Which, other: _Here) -> None:
+        """Replace some of the candidates."""
+        for whole, part in zip(self.parts, other.parts, strict=True):
+            whole[rows] = part
+
+    @property
+    def beyond(self) -> Array:
+        """The worst relative excess (K,), zero where all limits are kept."""
+        return np.maximum(self.excess.max(axis=-1, initial=0.0), 0.0)
+
+    @property
+    def merit(self) -> Array:
+        """Squared residual and the price of the worst excess (K,)."""
+        return (self.residual**2).sum(-1) + PRICE * self.beyond
+
+
+def fit(
+    many: Many, lower: Array, upper: Array, gamma: Array, theta: Array, load: float, steps: int = STEPS
+) -> Fitted:
     """Least squares of every candidate's residual over its geometry and unknowns, limits kept, all at once.
 
-        min sum_i |r_i(gamma, theta)|^2   subject to   g(gamma, theta) <= 0,   lower <= (gamma, theta) <= upper
+        min sum_i r_i(gamma, theta)^2   subject to   g(gamma, theta) <= 0,   lower <= (gamma, theta) <= upper
 
-    lower, upper (G + P,); gamma (C, G) and theta (C, P) are where each begins; load makes residuals relative. Limits
-    enter by an augmented Lagrangian, so they hold to rounding without a stiff penalty; derivatives are exact (complex
-    step in gamma). Candidates are independent: the answer of one does not depend on the others.
+    lower, upper (G + P,); gamma (C, G) and theta (C, P) are where each begins; load makes residuals relative. Every
+    step solves a small elastic quadratic program in a trust region, with exact slopes (complex step in gamma) and the
+    curvature of Gauss-Newton plus what the slopes were seen to change by (the structured secant update of Dennis, Gay
+    and Welsch, unsourced); where curvature spoils it, it is bent by what it missed and tried again. Candidates are
+    independent: the answer of one does not depend on the others. A few steps tell good beginnings from bad ones.
     """
     count, free = gamma.shape
     x = np.clip(np.hstack([gamma, theta]), lower, upper)
-    probe = _measure(many, np.arange(count), x, free, load)
-    shift = np.zeros_like(probe.excess)
-    stiff = np.full(count, STIFFNESS)
-    open_ones, last = np.arange(count), np.full(count, np.inf)
-    for _ in range(ROUNDS):
-        _descend(many, open_ones, x, free, load, shift, stiff, (lower, upper))
-        here = _measure(many, open_ones, x[open_ones], free, load, sloped=False)
-        worst = _most(here.excess)
-        shift[open_ones] = np.maximum(0.0, here.excess + shift[open_ones])
-        slow = worst > 0.25 * last[open_ones]
-        raised = open_ones[slow]
-        stiff[raised] *= HARDER
-        shift[raised] /= HARDER
-        last[open_ones] = worst
-        open_ones = open_ones[worst > ENOUGH]
-        if not len(open_ones):
-            break
-    end = _measure(many, np.arange(count), x, free, load, sloped=False)
-    value = np.sqrt((end.residual**2).sum(-1)) * load
-    return Fitted(x[:, :free], x[:, free:], value, np.maximum(_most(end.excess), 0.0))
-
-
-def _most(excess: Array) -> Array:
-    return excess.max(axis=-1, initial=-np.inf)
+    here = _measure(many, np.arange(count), x, free, load)
+    if x.shape[1]:
+        _descend(many, x, here, free, load, (lower, upper), steps)
+    return Fitted(x[:, :free], x[:, free:], np.sqrt((here.residual**2).sum(-1)) * load, here.beyond)
 
 
 def _descend(
-    many: Many, which: Which, x: Array, free: int, load: float, shift: Array, stiff: Array, box: tuple[Array, Array]
+    many: Many, x: Array, here: _Here, free: int, load: float, box: tuple[Array, Array], steps: int
 ) -> None:
-    """Damped Gauss-Newton steps of the candidates `which`, in place, until each stands still."""
-    damping = np.full(len(x), 1e-3)
-    for _ in range(STEPS):
-        here = _measure(many, which, x[which], free, load)
-        merit = _merit(here, shift[which], stiff[which])
-        gradient, curvature = _normal(here, shift[which], stiff[which])
-        todo = np.arange(len(which))
-        moved = np.zeros(len(which))
-        for _ in range(6):
-            at = x[which[todo]]
-            step = _step(gradient[todo], curvature[todo], damping[which[todo]], at, box)
-            there = np.clip(at + step, *box)
-            trial = _merit(_measure(many, which[todo], there, free, load, sloped=False), shift[which[todo]], stiff[which[todo]])
-            better = trial < merit[todo]
-            done = todo[better]
-            x[which[done]] = there[better]
-            moved[done] = merit[done] - trial[better]
-            damping[which[done]] = np.maximum(damping[which[done]] / 9, 1e-12)
-            todo = todo[~better]
-            damping[which[todo]] *= 8
-            todo = todo[damping[which[todo]] < STUCK]
-            if not len(todo):
-                break
-        which = which[moved > STILL * np.maximum(merit, 1e-12)]
-        if not len(which):
+    """Steps of all candidates, in place, until each stands still."""
+    count, V = x.shape
+    span = np.where(np.isfinite(box[1] - box[0]), box[1] - box[0], 1.0)
+    turn, radius, merit = np.zeros((count, V, V)), np.full(count, RADIUS), here.merit
+    missed = _Here(*(np.zeros_like(part) for part in here.parts))
+    bent = np.zeros(count, dtype=bool)
+    active = np.arange(count)
+    for _ in range(steps):
+        now = here.take(active)
+        unit = _unit(now, span)
+        low, high = (np.where(np.isfinite(end - x[active]), (end - x[active]) / unit, side) for end, side in zip(box, (-1e6, 1e6), strict=True))
+        room = radius[active, None] * span / unit
+        reach = np.maximum(low, -room), np.minimum(high, room)
+        move, predicted = _step(now, missed.take(active), turn[active], unit, reach)
+        standing = (predicted <= STILL) & ~bent[active]
+        keep = ~standing
+        active, move, predicted, now = active[keep], move[keep], predicted[keep], now.take(keep)
+        if not len(active):
             return
+        there = np.clip(x[active] + move, *box)
+        trial = _measure(many, active, there, free, load)
+        gain = merit[active] - trial.merit
+        ratio = gain / np.maximum(predicted, 1e-300)
+        better = (gain > 0) & (ratio > 0.02)
+        done = active[better]
+        turn[done] = _turned(turn[done], move[better], now.take(better), trial.take(better))
+        x[done], merit[done] = there[better], trial.merit[better]
+        here.put(done, trial.take(better))
+        # A first failure bends the model by what it missed there; a second shrinks its region.
+        again = ~better & ~bent[active]
+        spoilt = active[again]
+        missed.put(spoilt, _missed(now.take(again), trial.take(again), move[again]))
+        length = (np.abs(move) / span).max(axis=1)
+        radius[active] = np.where(
+            better,
+            np.where(ratio > 0.7, np.maximum(radius[active], 2.5 * length), np.where(ratio > 0.25, radius[active], length / 2)),
+            np.where(bent[active], np.minimum(radius[active], length) / 4, radius[active]),
+        )
+        bent[active] = again
+        straight = active[~again]
+        for part in (missed.residual, missed.excess):
+            part[straight] = 0.0
+        active = active[radius[active] > SMALL]
 
 
-def _step(gradient: Array, curvature: Array, damping: Array, at: Array, box: tuple[Array, Array]) -> Array:
-    """Solve (H + lambda diag H) dx = -g; variables at a bound that push outwards stay where they are."""
-    low, high = box
-    stay = ((at <= low) & (gradient > 0)) | ((at >= high) & (gradient < 0))
-    diagonal = np.einsum("kii->ki", curvature)
-    size = np.sqrt(np.maximum(diagonal, 1e-300))
-    scaled = curvature / (size[:, :, None] * size[:, None, :])
-    index = np.arange(scaled.shape[-1])
-    scaled[:, index, index] = 1.0 + damping[:, None] + 1e-12
-    scaled = np.where(stay[:, :, None] | stay[:, None, :], 0.0, scaled)
-    scaled[:, index, index] = np.where(stay, 1.0, scaled[:, index, index])
-    right = np.where(stay, 0.0, -gradient / size)
-    return np.linalg.solve(scaled, right[..., None])[..., 0] / size
+def _unit(here: _Here, span: Array) -> Array:
+    """Units (K, V) in which every variable moves the residual about equally, but by no more than its span."""
+    slope = np.sqrt((here.slope**2).sum(axis=1))
+    return np.minimum(1.0 / np.maximum(slope, 1e-12), span)
 
 
-def _merit(here: _Here, shift: Array, stiff: Array) -> Array:
-    return (here.residual**2).sum(-1) + stiff * (np.maximum(0.0, here.excess + shift) ** 2).sum(-1)
+def _step(
+    here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """The move (K, V) that the elastic quadratic program asks for, and the merit it predicts to gain (K,)."""
+    count, V = unit.shape
+    J = here.slope * unit[:, None, :]
+    A = here.steepness * unit[:, None, :]
+    plain = np.swapaxes(J, 1, 2) @ J
+    curved = plain + turn * unit[:, :, None] * unit[:, None, :]
+    values, vectors = np.linalg.eigh(curved)
+    positive = np.einsum("kij,kj,klj->kil", vectors, np.maximum(np.abs(values), 1e-9), vectors)
+    residual, excess = here.residual + missed.residual, here.excess + missed.excess
+    gradient = np.einsum("krv,kr->kv", J, residual)
+    M = excess.shape[1]
+    H = np.zeros((count, V + 1, V + 1))
+    H[:, :V, :V] = positive
+    H[:, V, V] = 1e-8
+    q = np.concatenate([gradient, np.full((count, 1), PRICE / 2)], axis=1)
+    G = np.zeros((count, M + 1 + 2 * V, V + 1))
+    G[:, :M, :V], G[:, : M + 1, V] = A, -1.0
+    index = np.arange(V)
+    G[:, M + 1 + index, index], G[:, M + 1 + V + index, index] = 1.0, -1.0
+    h = np.concatenate([np.minimum(-excess, FAR), np.zeros((count, 1)), reach[1], -reach[0]], axis=1)
+    start = np.zeros((count, V + 1))
+    start[:, V] = np.maximum(excess.max(axis=-1, initial=0.0), 0.0) + 0.1
+    dual = np.full(h.shape, 1e-2)
+    dual[:, : M + 1] = PRICE / 2 / (M + 1)
+    z = quadratic(H, q, G, h, start, dual)
+    move = np.clip(z[:, :V], *reach)
+    after = np.einsum("kiv,kv->ki", A, move) + excess
+    model = np.einsum("kv,kvw,kw->k", move, positive, move) + 2 * (gradient * move).sum(-1)
+    predicted = -model + PRICE * (here.beyond - np.maximum(after.max(axis=-1, initial=0.0), 0.0))
+    return move * unit, predicted
 
 
-def _normal(here: _Here, shift: Array, stiff: Array) -> tuple[Array, Array]:
-    """Gradient (K, V) and Gauss-Newton curvature (K, V, V), both halved."""
-    hinge = np.maximum(0.0, here.excess + shift)
-    active = np.where((hinge > 0)[..., None], here.steepness, 0.0)
-    gradient = np.einsum("krv,kr->kv", here.slope, here.residual)
-    gradient += stiff[:, None] * np.einsum("kmv,km->kv", active, hinge)
-    curvature = np.swapaxes(here.slope, -1, -2) @ here.slope
-    curvature += stiff[:, None, None] * (np.swapaxes(active, -1, -2) @ active)
-    return gradient, curvature
+def _missed(here: _Here, there: _Here, move: Array) -> _Here:
+    """What the linear model at `here` missed at `there`, a move (K, V) away."""
+    residual = there.residual - here.residual - np.einsum("krv,kv->kr", here.slope, move)
+    excess = there.excess - here.excess - np.einsum("kmv,kv->km", here.steepness, move)
+    return _Here(residual, np.zeros_like(here.slope), excess, np.zeros_like(here.steepness))
+
+
+def _turned(S: Array, step: Array, old: _Here, new: _Here) -> Array:
+    """The second-order part S (K, V, V) after a step (K, V) from one place to another."""
+    before = np.einsum("krv,kr->kv", old.slope, old.residual)
+    after = np.einsum("krv,kr->kv", new.slope, new.residual)
+    turned = np.einsum("krv,kr->kv", new.slope - old.slope, new.residual)
+    changed = after - before
+    along = (changed * step).sum(-1)
+    Ss = np.einsum("kij,kj->ki", S, step)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        size = np.minimum(1.0, np.abs((step * turned).sum(-1)) / np.abs((step * Ss).sum(-1)))
+        size = np.where(np.isfinite(size), size, 1.0)
+        miss = turned - size[:, None] * Ss
+        outer = miss[:, :, None] * changed[:, None, :]
+        grown = (outer + np.swapaxes(outer, 1, 2)) / along[:, None, None]
+        grown -= ((miss * step).sum(-1) / along**2)[:, None, None] * changed[:, :, None] * changed[:, None, :]
+    sizes = np.linalg.norm(changed, axis=-1) * np.linalg.norm(step, axis=-1)
+    sound = (along > 1e-8 * sizes) & np.isfinite(grown).all(axis=(1, 2))
+    return np.where(sound[:, None, None], size[:, None, None] * S + grown, S)
 
 
 def _measure(many: Many, which: Which, x: Array, free: int, load: float, *, sloped: bool = True) -> _Here:
@@ -181,7 +245,7 @@ def _measure(many: Many, which: Which, x: Array, free: int, load: float, *, slop
     slope = _slopes(residual, by_theta, count, free if sloped else 0, P)
     limits = by_theta_limits if excesses else [np.zeros((count, 0, P))]
     steepness = _slopes(excess, limits, count, free if sloped else 0, P)
-    return _Here(np.real(residual[::copies]), slope, np.real(excess[::copies]), steepness)
+    return _Here(np.real(residual[::copies]).copy(), slope, np.real(excess[::copies]).copy(), steepness)
 
 
 def _slopes(value: Array, by_theta: list[Array], count: int, free: int, P: int) -> Array:

@@ -70,3 +70,13 @@ def _reduced(gram: Array) -> Array:
     inverse = np.linalg.pinv(other / (size[:, :, None] * size[:, None, :]), rcond=1e-10, hermitian=True)
     mixed = gram[:, 4:, :4] / size[:, :, None]
     return known - np.swapaxes(mixed, 1, 2) @ inverse @ mixed
+
+
+def evenly(count: int, dims: int, seed: int) -> Array:
+    """Points (count, dims) of the unit cube, evenly spread: an additive recurrence on the roots of x^(d+1) = x + 1."""
+    root = 2.0
+    for _ in range(64):
+        root = (1 + root) ** (1 / (dims + 1))
+    steps = (1 / root) ** np.arange(1, dims + 1)
+    offset = np.random.default_rng(seed).random(dims)
+    return (offset + np.arange(1, count + 1)[:, None] * steps) % 1.0

@@ -23,23 +23,28 @@ from equipoise.parts.catalogue import Catalogue
 from equipoise.parts.ranking import Line, Ranking
 from equipoise.solve.batch import fit
 from equipoise.solve.program import Norm, Program, norm_value
-from equipoise.solve.shape import Freedom, sown
-from equipoise.solve.sift import Sifted, sift
+from equipoise.solve.shape import Freedom
+from equipoise.solve.sift import Sifted, evenly, sift
 from equipoise.states import States
 from equipoise.sweep import Sweep
+from equipoise.thinning import Few, thin
 from equipoise.verbs.balance import Task, task_of
 from equipoise.verbs.shape import freedom_of, load_of
 
-CHUNK = 48
-GEOMETRIES = 1024
-BEGINNINGS = 2
-PER_JOINT = 48
+CHUNK = 96
+GEOMETRIES = 8192
+BEGINNINGS = 3
+RANKED, APART = 256, 0.2
+"""How many of the best geometries are looked at for beginnings, and how far those lie apart, in shares of the bounds."""
+PER_COORDINATE = 24
 MOST = 400
 WORKERS = 2
-PRICE = 3.0
+PRICE = 30.0
 KEPT = 1e-6
 """Relative excess of a limit over all states up to which it is kept."""
 PASSES = 3
+GLANCE = 6
+"""Steps after which the better of a part's beginnings is kept."""
 
 Rows = NDArray[np.intp]
 Progress = Callable[[int, int, float], None]
@@ -186,21 +191,23 @@ class _Work:
         return tuple(unit_of(self.task.balancers, freedom.name) for freedom in self.freedoms)
 
     @cached_property
+    def chosen(self) -> Few:
+        """Which states stand for all."""
+        return thin(self.states, min(MOST, PER_COORDINATE ** min(self.states.driven.shape[1], 2)))
+
+    @cached_property
     def few(self) -> States:
-        """An even choice of states with the ends of every joint's range."""
-        count = min(MOST, PER_JOINT * self.states.driven.shape[1])
-        if len(self.states) <= count:
-            return self.states
-        even = np.linspace(0, len(self.states) - 1, count).astype(int)
-        ends = [self.states.driven.argmin(0), self.states.driven.argmax(0)]
-        return self.states.take(np.unique(np.concatenate([even, *ends])))
+        """The few states that stand for all."""
+        return self.chosen.of(self.states)
 
     @cached_property
     def geometries(self) -> Array:
-        """Sobol geometries (S, G) to start from."""
+        """Geometries (S, G) to start from."""
         if not self.freedoms:
             return np.zeros((1, 0))
-        return sown(self.freedoms, GEOMETRIES, self.seed)
+        low = np.array([freedom.lower for freedom in self.freedoms])
+        high = np.array([freedom.upper for freedom in self.freedoms])
+        return low + evenly(GEOMETRIES, len(low), self.seed) * (high - low)
 
     @cached_property
     def sifted(self) -> Sifted:
@@ -208,13 +215,11 @@ class _Work:
         names = [freedom.name for freedom in self.freedoms if not freedom.name.endswith(".law.leader")]
         columns = [i for i, freedom in enumerate(self.freedoms) if freedom.name in names]
         found = []
-        for gamma in np.array_split(self.geometries[:, columns], max(1, len(self.geometries) // 64)):
-            bare = self._with(Linear(), 0.0)
-            placed = candidates(bare, names, gamma)
+        for gamma in np.array_split(self.geometries[:, columns], max(1, len(self.geometries) // 256)):
+            placed = candidates(self._with(Linear(), 0.0), names, gamma)
             program = self.task.program(self.few, placed)
             heavy = self.task.program(self.few, candidates(self._with(Linear(0.0, 0.0), 1.0), names, gamma))
-            light = self.task.program(self.few, candidates(self._with(Linear(0.0, 0.0), 0.0), names, gamma))
-            sag = heavy.terms[0].b - light.terms[0].b
+            sag = heavy.terms[0].b - program.terms[0].b
             own = next(one for one in placed if one.name == self.spring.name)
             assert isinstance(own, Spring)
             count = len(gamma)
@@ -254,13 +259,18 @@ class _Work:
         mass = number * cat.mass[rows]
         coefficients = np.stack([np.ones(len(rows)), mass, tension, rate], axis=1)
         scores = self.sifted.scores(coefficients, low, high, travel, self.load, PRICE)
-        order = np.argsort(scores, axis=1, kind="stable")
+        top = np.argpartition(scores, min(RANKED, scores.shape[1] - 1), axis=1)[:, :RANKED]
+        order = np.take_along_axis(top, np.argsort(np.take_along_axis(scores, top, 1), axis=1, kind="stable"), 1)
         span = np.array([max(f.upper - f.lower, 1e-300) for f in self.freedoms])
         chosen = np.empty((len(rows), BEGINNINGS), dtype=int)
-        for k, ranked in enumerate(order[:, :64]):
-            first = ranked[0]
-            apart = np.abs((self.geometries[ranked] - self.geometries[first]) / span).max(axis=1, initial=0.0) > 0.2
-            chosen[k] = first, ranked[apart.argmax()]
+        for k, ranked in enumerate(order):
+            unit = self.geometries[ranked] / span
+            taken = [0]
+            distance = np.abs(unit - unit[0]).max(axis=1, initial=0.0)
+            for _ in range(1, BEGINNINGS):
+                taken.append(int((distance > APART).argmax()))
+                distance = np.minimum(distance, np.abs(unit - unit[taken[-1]]).max(axis=1, initial=0.0))
+            chosen[k] = ranked[taken]
         return self.geometries[chosen]
 
     def lines(self, rows: Rows, number: Array) -> list[Line]:
@@ -269,31 +279,32 @@ class _Work:
         upper = np.array([freedom.upper for freedom in self.freedoms])
         starts = self.beginnings(rows, number)
         count, ways = starts.shape[:2]
-        which, states = np.repeat(np.arange(count), ways), self.few
+        which, few, states = np.repeat(np.arange(count), ways), self.chosen, self.few
         gamma = starts.reshape(count * ways, -1)
         sample = self.many(states, rows[:1], number[:1])(np.zeros(1, dtype=np.intp), gamma[:1])
         theta = np.zeros((len(gamma), len(sample.unknowns)))
         box = np.concatenate([lower, sample.lower]), np.concatenate([upper, sample.upper])
+        rough = fit(self.many(states, rows[which], number[which]), *box, gamma, theta, self.load, GLANCE)
+        promise = rough.value + PRICE * self.load * rough.excess
+        order = np.lexsort((promise, which))
+        which, gamma, theta = (part[order[::ways]] for part in (which, rough.gamma, rough.theta))
+        todo = np.arange(count)
+        final, unknowns = np.zeros((count, len(lower))), np.zeros((count, theta.shape[1]))
+        judged: _Judged | None = None
         for _ in range(PASSES):
-            build = self.many(states, rows[which], number[which])
-            found = fit(build, *box, gamma, theta, self.load)
-            order = np.lexsort((found.value, found.excess > KEPT, which))
-            best = order[np.unique(which[order], return_index=True)[1]]
-            which, gamma, theta = which[best], found.gamma[best], found.theta[best]
-            judged = _Judged.over(self, rows, number, gamma, theta)
-            worse = (judged.excess > KEPT) & (found.excess[best] <= KEPT)
-            if not worse.any() or states is self.states:
+            found = fit(self.many(states, rows[which], number[which]), *box, gamma, theta, self.load)
+            final[todo], unknowns[todo] = found.gamma, found.theta
+            fresh = _Judged.over(self, rows[todo], number[todo], final[todo], unknowns[todo])
+            judged = fresh if judged is None else judged.updated(todo, fresh)
+            # Between the few states a limit was passed: the worst ones join them, and those parts go on from there.
+            passed = (fresh.excess > KEPT) & (found.excess <= KEPT)
+            todo = todo[passed]
+            if not len(todo):
                 break
-            extra = np.setdiff1d(judged.worst[worse], [-1])
-            # Between the few states a limit was passed: the worst ones join them, and the chunk goes on from there.
-            states = self.states.take(np.union1d(_places(self.states, states), extra))
-        return judged.lines(self, rows, number, gamma)
-
-
-def _places(states: States, few: States) -> Rows:
-    """Where a choice of states lies among all."""
-    known = {tuple(row): i for i, row in reversed(list(enumerate(np.hstack([states.driven, states.payload_mass]))))}
-    return np.array([known[tuple(row)] for row in np.hstack([few.driven, few.payload_mass])], dtype=np.intp)
+            few = few.joined(fresh.worst[passed][fresh.worst[passed] >= 0])
+            which, gamma, theta, states = todo, final[todo], unknowns[todo], few.of(self.states)
+        assert judged is not None
+        return judged.lines(self, rows, number, final)
 
 
 @dataclass(frozen=True, eq=False)
@@ -329,6 +340,15 @@ class _Judged:
                 state = -1 if row is None or row.state is None else row.state[int(row.excess(at).argmax())]
                 worst.append(state)
         return cls(np.array(norms), np.array(value), np.array(excess), tuple(limit), np.array(worst, dtype=np.intp))
+
+    def updated(self, at: Rows, other: _Judged) -> _Judged:
+        """These parts with some judged anew."""
+        norms, value, excess, worst = (part.copy() for part in (self.norms, self.value, self.excess, self.worst))
+        norms[at], value[at], excess[at], worst[at] = other.norms, other.value, other.excess, other.worst
+        limit = list(self.limit)
+        for place, words in zip(at, other.limit, strict=True):
+            limit[place] = words
+        return _Judged(norms, value, excess, tuple(limit), worst)
 
     def lines(self, work: _Work, rows: Rows, number: Array, gamma: Array) -> list[Line]:
         """One line per part."""
