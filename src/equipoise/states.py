@@ -31,6 +31,10 @@ class Spot(Protocol):
         ...
 
 
+RECENT = 16
+"""Points whose place and Jacobian are kept."""
+
+
 @dataclass(frozen=True, eq=False)
 class Kinematics:
     """What MuJoCo says of postures q (N, nq): every array has N rows.
@@ -127,6 +131,7 @@ class States:
     rates: Rates | None = None
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
     _placements: dict[int, Placement] = field(default_factory=dict, repr=False)
+    _points: dict[int, tuple[Point, tuple[Array, Array]]] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(mechanism: Mechanism, sweep: Sweep) -> States:
@@ -169,6 +174,17 @@ class States:
         """
         if not isinstance(point, Point):
             return point.locate(self)
+        # A spring asks for its ends once for its pull and once for its weight.
+        known = self._points.get(id(point))
+        if known is not None and known[0] is point:
+            return known[1]
+        if len(self._points) >= RECENT:
+            self._points.clear()
+        found = self._placed(point)
+        self._points[id(point)] = point, found
+        return found
+
+    def _placed(self, point: Point) -> tuple[Array, Array]:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]

@@ -48,7 +48,7 @@ def thin(states: States, count: int) -> Few:
     plain = np.full(len(rows), weight.sum() / len(rows))
     for degree in DEGREES:
         basis = _polynomials(unit, degree)
-        if 2 * basis.shape[1] > len(rows):
+        if 3 * basis.shape[1] > 2 * len(rows):
             continue
         few = basis[rows]
         missing = weight @ basis - plain @ few

@@ -7,8 +7,9 @@ import numpy as np
 from equipoise.affine import Array
 
 ITERATIONS = 25
-PRECISION = 1e-9
+PRECISION = 1e-8
 BACK = 0.995
+RIDGE = 1e-13
 
 
 def quadratic(H: Array, q: Array, G: Array, h: Array, start: Array, dual: Array) -> Array:
@@ -18,38 +19,55 @@ def quadratic(H: Array, q: Array, G: Array, h: Array, start: Array, dual: Array)
     (K, n) is where it begins, dual (K, m) > 0 what the multipliers are about. The constraints must leave an interior, as
     elastic ones do. Mehrotra's predictor and corrector (unsourced).
     """
-    z = start
+    z, dual = start.copy(), dual.copy()
     slack = np.maximum(h - (G @ z[..., None])[..., 0], 1e-3)
-    transposed = np.swapaxes(G, 1, 2)
+    active = np.arange(len(z))
     for _ in range(ITERATIONS):
-        stationary = (H @ z[..., None])[..., 0] + q + (transposed @ dual[..., None])[..., 0]
-        primal = (G @ z[..., None])[..., 0] + slack - h
-        gap = (slack * dual).mean(axis=1)
-        if max(np.abs(primal).max(), np.abs(stationary).max(), gap.max()) < PRECISION:
+        step = _step(H[active], q[active], G[active], h[active], z[active], slack[active], dual[active])
+        z[active], slack[active], dual[active], left = step
+        active = active[left > PRECISION]
+        if not len(active):
             break
-        weight = dual / slack
-        matrix = H + (transposed * weight[:, None, :]) @ G
-
-        def direction(centre: Array) -> tuple[Array, Array, Array]:
-            """Newton's step towards slack * dual = centre."""
-            pushed = (weight * primal) + (centre - slack * dual) / slack  # noqa: B023
-            right = -stationary - (transposed @ pushed[..., None])[..., 0]  # noqa: B023
-            dz = np.linalg.solve(matrix, right[..., None])[..., 0]  # noqa: B023
-            ds = -primal - (G @ dz[..., None])[..., 0]  # noqa: B023
-            return dz, ds, (centre - slack * dual - dual * ds) / slack  # noqa: B023
-
-        _, ds, dd = direction(np.zeros_like(slack))
-        reach = np.minimum(_reach(slack, ds), _reach(dual, dd))[:, None]
-        ahead = ((slack + reach * ds) * (dual + reach * dd)).mean(axis=1)
-        centring = (np.maximum(ahead, 0.0) / np.maximum(gap, 1e-300)) ** 3 * gap
-        dz, ds, dd = direction(np.maximum(centring, 1e-14)[:, None] - ds * dd)
-        reach = np.minimum(_reach(slack, ds), _reach(dual, dd))[:, None]
-        z, slack, dual = z + reach * dz, slack + reach * ds, dual + reach * dd
     return z
 
 
-def _reach(value: Array, step: Array) -> Array:
-    """The longest step (K,), at most one, that keeps value + step positive."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(step < 0, -value / step, np.inf)
-    return np.minimum(1.0, BACK * ratio.min(axis=1))
+def _step(
+    H: Array, q: Array, G: Array, h: Array, z: Array, slack: Array, dual: Array
+) -> tuple[Array, Array, Array, Array]:
+    """One step from (z, slack, dual), and how far the point before it was from a solution (K,)."""
+    transposed = np.swapaxes(G, 1, 2)
+    stationary = (H @ z[..., None])[..., 0] + q + (transposed @ dual[..., None])[..., 0]
+    primal = (G @ z[..., None])[..., 0] + slack - h
+    both = slack * dual
+    gap = both.mean(axis=1)
+    weight = dual / slack
+    inverse = _inverse(H + (transposed * weight[:, None, :]) @ G)
+
+    def direction(centre: Array) -> tuple[Array, Array, Array]:
+        """Newton's step towards slack * dual = centre."""
+        pushed = weight * primal + (centre - both) / slack
+        dz = (inverse @ (-stationary - (transposed @ pushed[..., None])[..., 0])[..., None])[..., 0]
+        ds = -primal - (G @ dz[..., None])[..., 0]
+        return dz, ds, (centre - both) / slack - weight * ds
+
+    _, ds, dd = direction(np.zeros_like(slack))
+    reach = _reach(slack, ds, dual, dd)
+    ahead = ((slack + reach * ds) * (dual + reach * dd)).mean(axis=1)
+    centring = (np.maximum(ahead, 0.0) / np.maximum(gap, 1e-300)) ** 3 * gap
+    dz, ds, dd = direction(np.maximum(centring, 1e-14)[:, None] - ds * dd)
+    reach = _reach(slack, ds, dual, dd)
+    left = np.maximum(np.maximum(np.abs(primal).max(axis=1), np.abs(stationary).max(axis=1)), gap)
+    return z + reach * dz, slack + reach * ds, dual + reach * dd, left
+
+
+def _inverse(matrix: Array) -> Array:
+    """Inverses of positive matrices (K, n, n), scaled first, for some of their entries grow without end."""
+    size = np.sqrt(np.maximum(np.einsum("kii->ki", matrix), 1e-300))
+    outer = size[:, :, None] * size[:, None, :]
+    return np.linalg.inv(matrix / outer + RIDGE * np.eye(matrix.shape[-1])) / outer
+
+
+def _reach(slack: Array, ds: Array, dual: Array, dd: Array) -> Array:
+    """The longest step (K, 1), at most one, that keeps slack and dual positive."""
+    steepest = np.maximum((-ds / slack).max(axis=1), (-dd / dual).max(axis=1))
+    return np.minimum(1.0, BACK / np.maximum(steepest, BACK))[:, None]

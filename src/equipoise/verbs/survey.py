@@ -31,20 +31,20 @@ from equipoise.thinning import Few, thin
 from equipoise.verbs.balance import Task, task_of
 from equipoise.verbs.shape import freedom_of, load_of
 
-CHUNK = 96
+CHUNK = 325
 GEOMETRIES = 8192
-BEGINNINGS = 3
+BEGINNINGS = 4
 RANKED, APART = 256, 0.2
 """How many of the best geometries are looked at for beginnings, and how far those lie apart, in shares of the bounds."""
-PER_COORDINATE = 24
+PER_COORDINATE = 16
 MOST = 400
 WORKERS = 2
 PRICE = 30.0
 KEPT = 1e-6
 """Relative excess of a limit over all states up to which it is kept."""
 PASSES = 3
-GLANCE = 6
-"""Steps after which the better of a part's beginnings is kept."""
+GLANCES = ((3, 4), (2, 8), (1, 10))
+"""(how many, steps): after so many steps each, so many of a part's beginnings go on."""
 
 Rows = NDArray[np.intp]
 Progress = Callable[[int, int, float], None]
@@ -284,10 +284,11 @@ class _Work:
         sample = self.many(states, rows[:1], number[:1])(np.zeros(1, dtype=np.intp), gamma[:1])
         theta = np.zeros((len(gamma), len(sample.unknowns)))
         box = np.concatenate([lower, sample.lower]), np.concatenate([upper, sample.upper])
-        rough = fit(self.many(states, rows[which], number[which]), *box, gamma, theta, self.load, GLANCE)
-        promise = rough.value + PRICE * self.load * rough.excess
-        order = np.lexsort((promise, which))
-        which, gamma, theta = (part[order[::ways]] for part in (which, rough.gamma, rough.theta))
+        for kept, steps in GLANCES:
+            rough = fit(self.many(states, rows[which], number[which]), *box, gamma, theta, self.load, steps)
+            promise = rough.value + PRICE * self.load * rough.excess
+            order = np.lexsort((promise, which)).reshape(count, -1)[:, :kept].ravel()
+            which, gamma, theta = (part[order] for part in (which, rough.gamma, rough.theta))
         todo = np.arange(count)
         final, unknowns = np.zeros((count, len(lower))), np.zeros((count, theta.shape[1]))
         judged: _Judged | None = None
