@@ -30,7 +30,10 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Ranking:
-    """All lines of a survey for one spring; free names the geometry, units its SI units, norm what ranks."""
+    """All lines of a survey for one spring; free names the geometry, units its SI units, norm what ranks.
+
+    outranked counts the candidates that the closed form put behind those that were worked on.
+    """
 
     catalogue: Catalogue
     spring: str
@@ -38,6 +41,7 @@ class Ranking:
     units: tuple[str, ...]
     norm: str
     lines: tuple[Line, ...]
+    outranked: int = 0
 
     @property
     def ranked(self) -> list[Line]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.solve.program import Program
-from equipoise.solve.small import quadratic
+from equipoise.solve.small import boxed, quadratic
 
 STEPS = 40
 PRICE = 100.0
@@ -155,7 +155,6 @@ def _step(
     here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Array, Array]
 ) -> tuple[Array, Array]:
     """The move (K, V) that the elastic quadratic program asks for, and the merit it predicts to gain (K,)."""
-    count, V = unit.shape
     J = here.slope * unit[:, None, :]
     A, excess = _near(here.steepness * unit[:, None, :], here.excess + missed.excess, reach)
     plain = np.swapaxes(J, 1, 2) @ J
@@ -163,26 +162,34 @@ def _step(
     values, vectors = np.linalg.eigh(curved)
     positive = np.einsum("kij,kj,klj->kil", vectors, np.maximum(np.abs(values), 1e-9), vectors)
     gradient = np.einsum("krv,kr->kv", J, here.residual + missed.residual)
-    M = excess.shape[1]
-    H = np.zeros((count, V + 1, V + 1))
-    H[:, :V, :V] = positive
-    H[:, V, V] = 1e-8
+    move, least = boxed(positive, gradient, *reach)
+    passing = np.flatnonzero(~least | (np.einsum("kiv,kv->ki", A, move) + excess > 0).any(axis=1))
+    if len(passing):
+        low, high = (end[passing] for end in reach)
+        move[passing] = _elastic(positive[passing], gradient[passing], A[passing], excess[passing], low, high)
+    after = np.einsum("kiv,kv->ki", A, move) + excess
+    model = np.einsum("kv,kvw,kw->k", move, positive, move) + 2 * (gradient * move).sum(-1)
+    predicted = -model + PRICE * (here.beyond - np.maximum(after.max(axis=-1, initial=0.0), 0.0))
+    return move * unit, predicted
+
+
+def _elastic(H: Array, gradient: Array, A: Array, excess: Array, low: Array, high: Array) -> Array:
+    """The move (K, V) of least model and price of the worst excess: one more variable, which all limits share."""
+    count, M, V = A.shape
+    wide = np.zeros((count, V + 1, V + 1))
+    wide[:, :V, :V] = H
+    wide[:, V, V] = 1e-8
     q = np.concatenate([gradient, np.full((count, 1), PRICE / 2)], axis=1)
     G = np.zeros((count, M + 1 + 2 * V, V + 1))
     G[:, :M, :V], G[:, : M + 1, V] = A, -1.0
     index = np.arange(V)
     G[:, M + 1 + index, index], G[:, M + 1 + V + index, index] = 1.0, -1.0
-    h = np.concatenate([np.minimum(-excess, FAR), np.zeros((count, 1)), reach[1], -reach[0]], axis=1)
+    h = np.concatenate([np.minimum(-excess, FAR), np.zeros((count, 1)), high, -low], axis=1)
     start = np.zeros((count, V + 1))
     start[:, V] = np.maximum(excess.max(axis=-1, initial=0.0), 0.0) + 0.1
     dual = np.full(h.shape, 1e-2)
     dual[:, : M + 1] = PRICE / 2 / (M + 1)
-    z = quadratic(H, q, G, h, start, dual)
-    move = np.clip(z[:, :V], *reach)
-    after = np.einsum("kiv,kv->ki", A, move) + excess
-    model = np.einsum("kv,kvw,kw->k", move, positive, move) + 2 * (gradient * move).sum(-1)
-    predicted = -model + PRICE * (here.beyond - np.maximum(after.max(axis=-1, initial=0.0), 0.0))
-    return move * unit, predicted
+    return np.clip(quadratic(wide, q, G, h, start, dual)[:, :V], low, high)
 
 
 def _near(A: Array, excess: Array, reach: tuple[Array, Array]) -> tuple[Array, Array]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 
-ITERATIONS = 25
-PRECISION = 1e-8
+ITERATIONS = 18
+PRECISION = 1e-6
 BACK = 0.995
 RIDGE = 1e-13
 
@@ -71,3 +72,30 @@ def _reach(slack: Array, ds: Array, dual: Array, dd: Array) -> Array:
     """The longest step (K, 1), at most one, that keeps slack and dual positive."""
     steepest = np.maximum((-ds / slack).max(axis=1), (-dd / dual).max(axis=1))
     return np.minimum(1.0, BACK / np.maximum(steepest, BACK))[:, None]
+
+
+def boxed(H: Array, q: Array, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """z (K, n) of min z'Hz/2 + q'z inside low <= z <= high (K, n), which hold zero: what would leave stops at its end.
+
+    H (K, n, n) positive definite, q (K, n). With it which of them (K,) are the least indeed: not all that stopped need
+    have.
+    """
+    fixed = ((low >= 0) & (q > 0)) | ((high <= 0) & (q < 0))
+    held = np.zeros_like(q)
+    index = np.arange(q.shape[1])
+    z = held
+    for _ in range(1 + q.shape[1]):
+        matrix = np.where(fixed[:, :, None] | fixed[:, None, :], 0.0, H)
+        matrix[:, index, index] = np.where(fixed, 1.0, H[:, index, index])
+        pushed = -q - np.einsum("kij,kj->ki", H, held)
+        z = np.linalg.solve(matrix, np.where(fixed, held, pushed)[..., None])[..., 0]
+        beyond = ~fixed & ((z > high) | (z < low))
+        if not beyond.any():
+            break
+        held = np.where(beyond, np.clip(z, low, high), held)
+        fixed |= beyond
+    z = np.clip(z, low, high)
+    slope = (H @ z[..., None])[..., 0] + q
+    size = 1e-9 * (np.abs(q).max(axis=1, keepdims=True) + 1e-300)
+    right = np.where(z >= high, slope <= size, np.where(z <= low, slope >= -size, np.abs(slope) <= 1e3 * size))
+    return z, right.all(axis=1)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.assemble import Balancer
-from equipoise.balancers.laws import Linear
+from equipoise.balancers.laws import Law, Linear, WireMass
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError, nearest
 from equipoise.limits import Limit
@@ -28,6 +28,7 @@ from equipoise.solve.sift import Sifted, evenly, sift
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.thinning import Few, thin
+from equipoise.units import Mass
 from equipoise.verbs.balance import Task, task_of
 from equipoise.verbs.shape import freedom_of, load_of
 
@@ -60,6 +61,7 @@ def survey(
     *,
     spring: str | None = None,
     parallel: int = 1,
+    most: int | None = None,
     norm: Norm | None = None,
     objective: Aim | Sequence[Aim] | None = None,
     limits: Sequence[Limit] = (),
@@ -75,12 +77,16 @@ def survey(
     the best of many geometries, judged in closed form, and descends by batched Levenberg-Marquardt on the rms; the
     values that count are then taken over all states, in every norm, and ranked by the objective's own. Working ranges,
     limits and own masses count. done are lines of an earlier run, which are not worked on again; store is handed every
-    chunk of finished lines; progress is called with (done, all, best). Ctrl-C ends with the ranking of what is done.
+    chunk of finished lines; progress is called with (done, all, best). Of more than `most` candidates only those are
+    worked on that the closed form ranks first. Ctrl-C ends with the ranking of what is done.
     """
     work = _work(mechanism, balancers, sweep, free, catalogue, spring, norm, objective, limits, seed)
     jobs = [(row, number) for number in range(1, parallel + 1) for row in range(len(catalogue))]
     known = {(line.part, line.number) for line in done}
     jobs = [(row, number) for row, number in jobs if (catalogue.part[row], number) not in known]
+    outranked = 0
+    if most is not None and len(jobs) > most:
+        outranked, jobs = len(jobs) - most, work.promising(jobs, most)
     lines = list(done)
     try:
         for found in _worked(work, list(_chunks(catalogue, jobs))):
@@ -93,7 +99,8 @@ def survey(
     except KeyboardInterrupt:
         if not lines:
             raise
-    return Ranking(catalogue, work.spring.name, tuple(f.name for f in work.freedoms), work.units, work.norm, tuple(lines))
+    free_names = tuple(freedom.name for freedom in work.freedoms)
+    return Ranking(catalogue, work.spring.name, free_names, work.units, work.norm, tuple(lines), outranked)
 
 
 def _chunks(catalogue: Catalogue, jobs: Sequence[tuple[int, int]]) -> Iterator[tuple[Rows, Array]]:
@@ -147,7 +154,11 @@ def _work(
     chosen = springs[0] if spring is None else springs[names.index(spring)]
     laws = f"{chosen.name}.law."
     kept = {name: bounds for name, bounds in free.items() if not name.startswith(laws) or name == f"{laws}leader"}
-    placed = tuple(replace(one, law=_stand_in(catalogue), mass=_number(one)) if one is chosen else one for one in balancers)
+    law = catalogue.spring(0)
+    placed = tuple(
+        replace(one, law=law, mass=fittings(one)) if isinstance(one, Spring) and one.owner == chosen.owner else one
+        for one in balancers
+    )
     freedoms = tuple(freedom_of(placed, name, bounds) for name, bounds in kept.items())
     task = task_of(mechanism, placed, sweep, norm, objective, limits)
     states = mechanism.states(sweep)
@@ -159,11 +170,7 @@ def _work(
     return _Work(task, first, freedoms, catalogue, states, load, seed)
 
 
-def _stand_in(catalogue: Catalogue) -> object:
-    return catalogue.spring(0)
-
-
-def _number(spring: Spring) -> float:
+def fittings(spring: Spring) -> float:
     """Fittings keep their mass; the mass of an ideal spring's wire gives way to the part's own."""
     return float(spring.mass) if isinstance(spring.mass, int | float) else 0.0
 
@@ -229,10 +236,10 @@ class _Work:
             found.append(sift(program, part, np.broadcast_to(sag, (count, *sag.shape[-2:])), length))
         return Sifted(*(np.concatenate([getattr(one, what) for one in found]) for what in Sifted.__dataclass_fields__))
 
-    def _with(self, law: object, mass: float) -> tuple[Balancer, ...]:
+    def _with(self, law: Law, mass: Mass | WireMass) -> tuple[Balancer, ...]:
         """The balancers with another law and mass in the spring's place, limits on its law left to the descent."""
         return tuple(
-            replace(one, law=law, mass=mass) if one is self.spring else one  # type: ignore[arg-type]
+            replace(one, law=law, mass=mass) if isinstance(one, Spring) and one.owner == self.spring.owner else one
             for one in self.task.balancers
         )
 
@@ -243,12 +250,12 @@ class _Work:
         def build(which: Rows, gamma: Array) -> Program:
             law = self.catalogue.law(rows[which], number[which])
             values = {name: gamma[:, [index]] for index, name in enumerate(names)}
-            return self.task.program(states, write(self._with(law, self.spring.mass), values))  # type: ignore[arg-type]
+            return self.task.program(states, write(self._with(law, self.spring.mass), values))
 
         return build
 
-    def beginnings(self, rows: Rows, number: Array) -> Array:
-        """The best geometries (K, B, G) for each part of a chunk, apart from each other."""
+    def scores(self, rows: Rows, number: Array) -> Array:
+        """What each part of a chunk makes of each geometry (K, S), in closed form."""
         cat = self.catalogue
         leader = next((i for i, f in enumerate(self.freedoms) if f.name.endswith(".law.leader")), None)
         lead = 0.0 if leader is None else self.freedoms[leader].lower
@@ -258,7 +265,20 @@ class _Work:
         tension = number * cat.initial_tension[rows] - rate * rest
         mass = number * cat.mass[rows]
         coefficients = np.stack([np.ones(len(rows)), mass, tension, rate], axis=1)
-        scores = self.sifted.scores(coefficients, low, high, travel, self.load, PRICE)
+        return self.sifted.scores(coefficients, low, high, travel, self.load, PRICE)
+
+    def promising(self, jobs: Sequence[tuple[int, int]], most: int) -> list[tuple[int, int]]:
+        """The jobs whose best geometry scores best."""
+        best = []
+        for start in range(0, len(jobs), CHUNK):
+            rows, numbers = zip(*jobs[start : start + CHUNK], strict=True)
+            best.append(self.scores(np.array(rows, dtype=np.intp), np.array(numbers, dtype=float)).min(axis=1))
+        order = np.argsort(np.concatenate(best), kind="stable")[:most]
+        return [jobs[i] for i in np.sort(order)]
+
+    def beginnings(self, rows: Rows, number: Array) -> Array:
+        """The best geometries (K, B, G) for each part of a chunk, apart from each other."""
+        scores = self.scores(rows, number)
         top = np.argpartition(scores, min(RANKED, scores.shape[1] - 1), axis=1)[:, :RANKED]
         order = np.take_along_axis(top, np.argsort(np.take_along_axis(scores, top, 1), axis=1, kind="stable"), 1)
         span = np.array([max(f.upper - f.lower, 1e-300) for f in self.freedoms])
