@@ -14,6 +14,7 @@ from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
 from equipoise.forms import Form, Later, Reading
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
+from equipoise.parts.request import Pick
 from equipoise.places import REMEDY, problem_error, where
 from equipoise.sweep import Sweep
 from equipoise.tags import BALANCER, LIMIT, MAKE, MECHANISM, START, SWEEP
@@ -36,7 +37,7 @@ class ProblemFile:
     mechanism is a robot file `{model: path}` or a builder; sweep the poses that matter (default: 2048 Sobol
     poses over the joint limits); start {spring: {prescribed: ...}} derives a spring's geometry, from which shape then
     starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; make lists cams and drums that
-    `equipoise make` cuts.
+    `equipoise make` cuts; pick asks for real parts in the place of ideal springs.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -50,6 +51,7 @@ class ProblemFile:
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()
+    pick: Pick | None = None
 
 
 @dataclass(frozen=True, eq=False)
