@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import equipoise as eq
+from equipoise.cli import main
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 
@@ -71,3 +73,35 @@ def test_spatial_8_cables():
     # In the middle the four upper cables carry the weight and the pull of the lower ones.
     states = design.mechanism.states(eq.Sweep.of_poses(design.mechanism, [{"x": 0.5, "y": 0.5, "z": 0.5}]))
     assert np.abs(design.residual(states, "wrench")[0, [0, 1, 3, 4, 5]]).max() < 1e-9
+
+
+def test_report_draws_the_platform_and_its_cam(tmp_path):
+    """The map with its equilibria, tension curves, motors along the trajectory, the cam: pictures, words and files."""
+    assert main(["design", str(EXAMPLES / "triangle_cables.yaml"), "--out", str(tmp_path)]) == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    for title in ("Resultant over the workspace", "Tension over cable length", "What the motors still do", "s1"):
+        assert f"{title}</h2>" in page
+    assert page.count("<img ") == 5
+    assert "6 minima, 9 saddles, 4 maxima" in page
+    told = json.loads((tmp_path / "design.json").read_text(encoding="utf-8"))
+    motors = told["cables"]["motors"]["norm"]
+    assert motors["saved"]["energy"] == pytest.approx(motors["alone"]["energy"] - motors["helped"]["energy"])
+    assert motors["helped"]["energy"] < 0.05 * motors["alone"]["energy"]
+    assert told["cables"]["floor"]["value"] < told["certificate"]["primal"]
+    assert told["made"][0]["wrap_error"] < 1e-3
+    assert {path.name for path in tmp_path.iterdir()} >= {"s1.dxf", "s1.csv", "triangle_balanced.xml"}
+
+
+def test_analyze_says_what_the_cables_can_do(tmp_path, capsys):
+    assert main(["analyze", str(EXAMPLES / "planar_platform.yaml"), "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().err
+    for label in ("closure", "feasible", "clearance", "stiffness"):
+        assert f"\n{label} " in said
+    told = json.loads((tmp_path / "analysis.json").read_text(encoding="utf-8"))["cables"]
+    assert told["feasible"]["t_min"] == pytest.approx([1e-3 * 9.81 * 2 / 8e-3] * 4)
+    assert 0 < told["feasible"]["share"] < 1
+    assert len(told["feasible"]["outside"]) == round(400 * (1 - told["feasible"]["share"]))
+    head = (tmp_path / "cables.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert head.startswith(
+        "x [m],z [m],turn [rad],closure [1],feasible [N],least stiffness [N/m],cable_1 to cable_2 [m]"
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -145,3 +146,92 @@ def test_sag():
     assert eq.sag_tension(0.02, 4.0, 1e-3) == pytest.approx(0.02 * 9.81 * 16 / 0.008)
     with pytest.raises(InputError, match="not flat"):
         eq.sag_tension(0.02, 1.0, 0.2)
+    sag = eq.Sag(1e-3, 0.02)
+    assert sag.tension(4.0) == eq.sag_tension(0.02, 4.0, 1e-3)
+    assert eq.Sag(1e-3, 0.02, span=2.0).tension(4.0) == sag.tension(4.0) / 4
+    square = eq.cable_platform(SQUARE, SMALL, mass=1.0, t_min=eq.Sag(1e-3, 1e-3), t_max=60.0)
+    assert square.platform.t_min == pytest.approx((1e-3 * 9.81 * 2 / 8e-3,) * 4)
+    assert eq.Force("s", min=sag, over=(0.0, 4.0)).min == sag.tension(4.0)
+    with pytest.raises(InputError, match="needs a span"):
+        eq.Force("s", min=sag)
+    with pytest.raises(InputError, match="no tension is left"):
+        eq.cable_platform(SQUARE, SMALL, mass=1.0, t_min=eq.Sag(1e-3, 1e-3), t_max=2.0)
+
+
+def test_limits_of_each_cable():
+    """Two cables above and two below: the lower ones may go slack, and one that may not pull much bounds the rest."""
+    mechanism = eq.cable_platform(SQUARE, SMALL, mass=1.0, t_min=(0.0, 0.0, 1.0, 1.0), t_max=(50.0, 50.0, 50.0, 8.0))
+    rng = np.random.default_rng(5)
+    poses = np.array([0.3, 0.3, -0.2]) + rng.random((80, 3)) * np.array([0.4, 0.4, 0.4])
+    states = mechanism.states(eq.Sweep(poses, np.ones(80), "random"))
+    W, w, _ = eq.wrench_matrix(states)
+    bounds = [(0.0, 50.0), (0.0, 50.0), (1.0, 50.0), (1.0, 8.0)]
+    plain = [linprog(np.zeros(4), A_eq=W[i], b_eq=-w[i], bounds=bounds).status == 0 for i in range(80)]
+    found = eq.feasible(states)
+    np.testing.assert_array_equal(found.margin > 0, plain)
+    assert 0 < sum(plain) < 80
+    kept = states.take(np.flatnonzero(found.margin > 0))
+    total = eq.distribute(kept).total
+    assert (total > np.array([low for low, _ in bounds]) - 1e-7).all()
+    assert (total < np.array([high for _, high in bounds]) + 1e-7).all()
+
+
+def test_stiffness_of_held_cables_is_that_of_their_directions(fifth):
+    """Motors that keep their tensions: sum t / l (1 - u u') of a point; with the springs theirs on top."""
+    states = fifth.mechanism.states(eq.Sweep.of_poses(fifth.mechanism, [{"x": 0.1, "z": 0.07}]))
+    motors = eq.distribute(states, 2.0, 50.0)
+    plain = np.zeros((2, 2))
+    for corner, tension in zip(CORNERS, motors.motors[0], strict=True):
+        d = np.array(corner) - states.driven[0]
+        u = d / np.linalg.norm(d)
+        plain += tension / np.linalg.norm(d) * (np.eye(2) - np.outer(u, u))
+    np.testing.assert_allclose(eq.held_stiffness(states, motors)[0], plain, atol=1e-6)
+    helped = eq.distribute(states, 2.0, 50.0, design=fifth)
+    rest = helped.motors[0] / motors.motors[0]
+    assert not np.allclose(rest, 1.0)
+    own = eq.held_stiffness(states, helped, fifth)[0] - eq.stiffness(fifth, states.driven)[0]
+    plain = sum(
+        tension / np.linalg.norm(d) * (np.eye(2) - np.outer(d, d) / (d @ d))
+        for d, tension in zip(np.array(CORNERS) - states.driven[0], helped.motors[0], strict=True)
+    )
+    np.testing.assert_allclose(own, plain, atol=1e-6)
+
+
+def test_survey_names_what_the_cables_cannot_hold():
+    mechanism = eq.cable_platform(SQUARE, SMALL, mass=1.0, length=0.1, t_min=2.0, t_max=30.0)
+    poses = [{"x": 0.5, "z": 0.5}, {"x": 0.05, "z": 0.95, "turn": 1.2}]
+    found = eq.survey(mechanism.states(eq.Sweep.of_poses(mechanism, poses)))
+    assert found.closure.margin[0] > 0 > found.feasible.margin[1] - 1e-12
+    assert found.feasible.outside == [poses[1]]
+    assert np.isnan(found.stiffness[1]).all()
+    assert np.isfinite(found.stiffness[0]).all()
+    head, table = found.table()
+    assert table.shape == (2, len(head))
+    assert found.json()["feasible"]["outside"] == [poses[1]]
+
+
+def test_behaviour_with_springs_along_a_trajectory(fifth):
+    motion = {"x": "0.2*cos(2*pi*t/T)", "z": "0.2*sin(2*pi*t/T)"}
+    robot = eq.cable_platform(CORNERS, t_min=1.0)
+    path = eq.Sweep.motion(robot, motion, duration=2.0, samples=81)
+    found = eq.behaviour(replace(fifth, mechanism=robot), path)
+    assert found.motors.saved("norm")["energy"] > 0.9 * found.motors.alone["norm"].work
+    # Tensions by the springs of every cable, and the floor below them.
+    length = np.linspace(0, 1, 4001)
+    law = fifth.balancers[0].law.force_basis(length)[0] @ np.array([fifth.values[f"s0.c{i}"] for i in range(5)])
+    assert max(found.peak.values()) == pytest.approx(law.max(), rel=1e-3)
+    area = S3 / 4
+    assert 0.5 * area * found.floor.value**2 == pytest.approx(0.01990344571, rel=2e-3)
+    assert sum(one.kind == "minimum" for one in found.equilibria) == 6
+
+
+def test_inertia_counts_in_a_motion():
+    """A mass of 2 kg on a circle: the tensions sum to m (a - g)."""
+    robot = eq.cable_platform(SQUARE, mass=2.0, t_min=1.0, t_max=500.0)
+    motion = {"x": "0.5 + 0.2*cos(2*pi*t/T)", "z": "0.5 + 0.2*sin(2*pi*t/T)"}
+    states = robot.states(eq.Sweep.motion(robot, motion, duration=0.5, samples=40))
+    total = eq.distribute(states).total
+    W, _, _ = eq.wrench_matrix(states)
+    rate = 4 * np.pi
+    a = -(rate**2) * (states.driven - 0.5)
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", W, total), 2.0 * (a + np.array([0, 9.81])), atol=1e-5)

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
+import equipoise as eq
 from equipoise.problem import load_problem
 from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import shape
@@ -187,3 +188,57 @@ def test_four_bar_balance():
     assert sum(reached[:3]) == pytest.approx(2.24210952, abs=1e-8)
     assert reached[3] == pytest.approx(0.75, rel=1e-6)
     assert design.certificate.gap < 1e-8
+
+
+def test_ur10_pick_and_place():
+    """Heat by MuJoCo on a spline through the file; work of a closed cycle; springs in motion."""
+    from scipy.interpolate import make_interp_spline
+
+    design = run("ur10_pick_and_place")
+    mechanism = design.mechanism
+    table = np.genfromtxt(EXAMPLES / "ur10_pick_and_place.csv", delimiter=",", skip_header=1)
+    path = make_interp_spline(table[:, 0], np.radians(table[:, 1:]), k=5)
+    spec = mechanism.spec.copy()
+    hand = spec.body("tool0").add_body(name="gripper", pos=[0.0, 0.0, 0.05])
+    hand.mass, hand.inertia, hand.ipos, hand.explicitinertial = 2.0, [1e-12] * 3, [0.0, 0.0, 0.0], True
+    model = spec.compile()
+    data, torques = mujoco.MjData(model), np.zeros((len(table), model.nv))
+    for row, t in enumerate(table[:, 0]):
+        data.qpos[:], data.qvel[:], data.qacc[:] = path(t), path(t, 1), path(t, 2)
+        mujoco.mj_inverse(model, data)
+        torques[row] = data.qfrc_inverse
+    weight = np.full(len(table), 1.0)
+    weight[[0, -1]] = 0.5
+    heat = np.sqrt(weight @ torques**2 / weight.sum())
+    for joint, rms in zip(mechanism.driven, heat, strict=True):
+        assert design.before[joint].rms == pytest.approx(rms, rel=1e-8)
+    before, after = design.machine
+    lift = "shoulder_lift_joint"
+    assert after.drives[lift].effort.rms < 0.6 * before.drives[lift].effort.rms
+    assert after.drives["elbow_joint"].effort.rms < 0.6 * before.drives["elbow_joint"].effort.rms
+    # the price: what the springs weigh has to be moved
+    for joint in ("shoulder_pan_joint", lift):
+        assert after.drives[joint].parts["inertial"].rms > before.drives[joint].parts["inertial"].rms
+    assert after.supply.positive < 0.85 * before.supply.positive
+    assert abs(after.supply.net) < 1e-4 * after.supply.positive
+    found = verify(design, poses=100).verification
+    assert found.agrees
+    assert max(error.relative for error in found.motion.errors.values()) < 1e-10
+
+
+def test_delta_counterweights():
+    """Three equal weights, the rms force by Newton's law on the centres of all bodies."""
+    design = run("delta_counterweights")
+    assert design.added_mass == pytest.approx(3.0, rel=1e-6)
+    assert design.certificate.gap < 1e-6
+    assert design.after["force"].rms < 0.55 * design.before["force"].rms
+    places = [part["ends"][0]["at"] for part in design.parts()]
+    assert places[1:] == [pytest.approx(places[0])] * 2
+    assert 0.06 < np.linalg.norm(places[0]) <= 0.12 + 1e-9
+    model, states = design.mechanism.model, design.states
+    force = 0.3 * states.acceleration(eq.Point("platform"))
+    for body in range(1, model.nbody):
+        com = eq.Point(model.body(body).name, tuple(model.body_ipos[body]))
+        force = force + model.body_mass[body] * states.acceleration(com)
+    rms = np.sqrt((states.weight @ (force**2).sum(axis=1)) / states.weight.sum())
+    assert design.before["force"].rms == pytest.approx(rms, rel=1e-9)

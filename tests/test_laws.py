@@ -54,6 +54,9 @@ LAWS = {
     "coil_free_length_unknown": eq.Coil(free_length=None),
     "coil_all_unknown": eq.Coil(free_length=None, initial_tension=None),
     "constant": eq.Constant(),
+    "weight": eq.Weight(),
+    "constant_pressure": eq.ConstantPressure(3e-4),
+    "constant_pressure_given": eq.ConstantPressure(3e-4, 4e5, "pull", "absolute"),
     "gas_push": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4),
     "gas_pull_isothermal": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, exponent=1.0, action="pull"),
     "gas_gauge": eq.Gas(area=3e-4, volume=1.2e-3, length=0.4, action="pull", reading="gauge", temperature=313.15),
@@ -123,6 +126,7 @@ DRIVEN = {
     "inverted_with_rod": lambda m: eq.InvertedSliderCrank(
         geared(m), 0.1, 0.3, rod=0.55, phase=0.5, mount=standing(m), crank_mass=0.4, rod_mass=0.6, rod_com=0.25
     ),
+    "fusee": lambda m: eq.Cam(geared(m), eq.ConstantTorque(0.06, 0.04), offset=0.2, mount=standing(m)),
     "cam_constant_energy": lambda m: eq.Cam(
         geared(m), eq.ConstantEnergy(0.06, 0.8), offset=0.2, mount=standing(m), follower_mass=0.7
     ),

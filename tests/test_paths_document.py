@@ -22,7 +22,11 @@ balancers:
 {body}
 objective: {{goal: hold, norm: rms}}
 """
-ELSEWHERE = {"reel": "a platform's cable, in docs/cables.md", "winding": "its drum, there too"}
+ELSEWHERE = {
+    "pinion": "a slide's, in tests/test_vertical.py",
+    "reel": "a platform's cable, in docs/cables.md",
+    "winding": "its drum, there too",
+}
 
 
 @pytest.mark.parametrize("snippet", SNIPPETS, ids=[snippet.split("\n")[0][:40] for snippet in SNIPPETS])

@@ -9,7 +9,10 @@ import pytest
 
 import equipoise as eq
 from equipoise.cli import main
+from equipoise.problem import load_problem
 from test_rrr3 import manipulator, motion
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +126,7 @@ def test_mass_alone_is_refused_with_the_reason(bar):
 
 
 def test_the_command_and_its_mistakes(capsys):
-    file = str(Path(__file__).parents[1] / "examples" / "four_bar_balance.yaml")
+    file = str(EXAMPLES / "four_bar_balance.yaml")
     assert main(["conditions", file, "--goal", "both", "--json"]) == 0
     said = capsys.readouterr()
     assert "0.6944 x the moment of inertia of coupler" in said.err
@@ -132,3 +135,45 @@ def test_the_command_and_its_mistakes(capsys):
     assert main(["conditions", file, "--on", "wheel"]) == 2
     assert main(["conditions", file, "--for", "wheel"]) == 2
     capsys.readouterr()
+
+
+@pytest.fixture(scope="module")
+def both_ways():
+    found = {}
+    for name in ("rrr3_reactionless", "rrr3_flywheel"):
+        problem = load_problem(EXAMPLES / f"{name}.yaml")
+        pieces = (problem.mechanism, problem.balancers, problem.sweep)
+        found[name] = eq.balance(*pieces, objective=problem.objective, limits=problem.limits)
+    return found
+
+
+@pytest.mark.parametrize("name", ["rrr3_reactionless", "rrr3_flywheel"])
+def test_examples_leave_nothing_at_the_base(both_ways, name):
+    design = both_ways[name]
+    for row in ("force", "moment"):
+        assert design.after[row].peak < 1e-10 * design.before[row].peak
+    assert design.certificate.kind == "convex"
+    assert 0 <= design.certificate.gap < 1e-6 * design.certificate.primal
+
+
+def test_gears_hold_the_inertia_that_the_links_have(both_ways):
+    """Eqs. 18 and 19 with the masses found: I4 and I5 are what turns with each link, their gears included."""
+    values, links = both_ways["rrr3_reactionless"].values, 0.5 * 0.18**2 / 3
+    share = (3 + values["platform_ring.m"]) / 3
+    rod = links + values["rod_weight.J"] + share * 0.18**2
+    crank = links + values["crank_weight.J"] + (share + 0.5 + values["rod_weight.m"]) * 0.18**2
+    assert values["rod_gear.J"] == pytest.approx(rod + 0.006, rel=1e-5)
+    assert values["crank_gear.J"] == pytest.approx(crank + 0.005, rel=1e-5)
+
+
+def test_side_by_side(both_ways):
+    table = eq.side_by_side(both_ways)
+    assert table.columns == ("bare", "rrr3_reactionless", "rrr3_flywheel")
+    lines = {line.what: line.values for line in table.lines}
+    assert lines["added mass"][1:] == pytest.approx([design.added_mass for design in both_ways.values()])
+    assert lines["flywheel motor, power"] == (None, None, pytest.approx(200.0))
+    assert lines["drive effort, peak"][1] > 2 * lines["drive effort, peak"][2]
+    assert lines["torque reversals in all meshes"][1] >= 6
+    assert "shaking moment, peak [N m]" in str(table)
+    with pytest.raises(eq.InputError, match="no design"):
+        eq.side_by_side({})

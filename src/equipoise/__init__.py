@@ -44,6 +44,11 @@ _HOME = {
     "Coil": "balancers.laws",
     "Constant": "balancers.laws",
     "Gas": "balancers.laws",
+    "ConstantPressure": "balancers.laws",
+    "Tilt": "tilt",
+    "Scatter": "scattering",
+    "Tolerance": "scattering",
+    "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
     "HydroPneumatic": "balancers.laws",
     "Nitrogen": "balancers.laws",
@@ -108,16 +113,23 @@ _HOME = {
     "wrench_matrix": "cables",
     "closure": "cables",
     "feasible": "cables",
-    "sag_tension": "cables",
+    "sag_tension": "sag",
+    "Sag": "sag",
     "distribute": "cables",
     "clearance": "cables",
     "stiffness": "cables",
+    "held_stiffness": "cables",
+    "survey": "cables",
+    "behaviour": "cables",
+    "spline_floor": "cables",
     "equilibria": "cables",
     "Link": "models.chain",
     "parallelogram_arm": "models.parallelogram_arm",
     "parallelogram_robot": "models.parallelogram_robot",
     "four_bar": "models.four_bar",
     "human_leg": "models.human_leg",
+    "five_bar": "models.five_bar",
+    "delta": "models.delta",
     "rrr3": "models.rrr3",
     "platform_measure": "models.rrr3",
     "slider_crank": "models.slider_crank",
@@ -125,8 +137,18 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "side_by_side": "verbs.side_by_side",
+    "point_masses": "substitution",
+    "substitute": "substitution",
+    "PointMasses": "substitution",
+    "Mesh": "balancers.counter_rotor",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
+    "adjust": "verbs.adjust",
+    "Adjusted": "verbs.adjust",
+    "Adjuster": "cases",
+    "Case": "cases",
+    "by_payload": "cases",
     "shape": "verbs.shape",
     "verify": "verbs.verify",
     "report": "verbs.report",
@@ -151,10 +173,18 @@ _HOME = {
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
+    "Pinion": "balancers.paths",
+    "ConstantTorque": "balancers.paths",
+    "Weight": "balancers.laws",
+    "Comparing": "comparing",
+    "Comparison": "verbs.compare",
+    "compare": "verbs.compare",
 }
 
 __all__ = [
     "Absolute",
+    "Adjusted",
+    "Adjuster",
     "Adjustment",
     "Affine",
     "Aim",
@@ -167,14 +197,19 @@ __all__ = [
     "Cable",
     "Cam",
     "CamWithSpring",
+    "Case",
     "Claim",
     "Coil",
+    "Comparing",
+    "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
     "ConstantEnergy",
     "ConstantForceCam",
     "ConstantForceSpring",
+    "ConstantPressure",
+    "ConstantTorque",
     "Convex",
     "CounterRotor",
     "Counterweight",
@@ -211,15 +246,18 @@ __all__ = [
     "Machine",
     "MassCap",
     "Mechanism",
+    "Mesh",
     "ModelError",
     "Motion",
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pinion",
     "Plate",
     "Platform",
     "Point",
     "PointMass",
+    "PointMasses",
     "Polynomial",
     "Prescribed",
     "Problem",
@@ -227,6 +265,8 @@ __all__ = [
     "Profile",
     "Pulley",
     "Reel",
+    "Sag",
+    "Scatter",
     "ScotchYoke",
     "Slack",
     "SliderCrank",
@@ -241,39 +281,49 @@ __all__ = [
     "Supply",
     "Sweep",
     "Tension",
+    "Tilt",
     "TimePolynomial",
     "TimeSpline",
+    "Tolerance",
     "Torsion",
     "TorsionSpring",
     "Transmission",
     "Unknown",
+    "Weight",
     "WindUp",
     "Winding",
     "WireMass",
     "ZeroFreeLength",
     "__version__",
+    "adjust",
     "analyze",
     "arm_cam",
     "arm_curve",
     "balance",
     "bearing_forces",
+    "behaviour",
+    "by_payload",
     "cable_platform",
     "caspr",
     "chain",
     "clearance",
     "closure",
+    "compare",
     "conditions",
+    "delta",
     "distribute",
     "equilibria",
     "exact_mean",
     "exact_rate",
     "exact_rate_zero_free_length",
     "feasible",
+    "five_bar",
     "four_bar",
     "gas_cylinder",
     "geometry_map",
     "grade",
     "grades",
+    "held_stiffness",
     "human_leg",
     "iterated_rates",
     "law_curve",
@@ -285,14 +335,20 @@ __all__ = [
     "parallelogram_robot",
     "payload_rule",
     "platform_measure",
+    "point_masses",
     "preferred_sizes",
     "report",
     "reproduce",
     "rrr3",
     "sag_tension",
     "shape",
+    "side_by_side",
     "slider_crank",
+    "spline_floor",
     "stiffness",
+    "substitute",
+    "survey",
+    "tolerance",
     "verify",
     "wrench_matrix",
 ]
@@ -312,7 +368,7 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.counter_rotor import CounterRotor
+    from equipoise.balancers.counter_rotor import CounterRotor, Mesh
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
@@ -320,12 +376,14 @@ if TYPE_CHECKING:
         BSpline,
         Coil,
         Constant,
+        ConstantPressure,
         Gas,
         HydroPneumatic,
         Linear,
         Nitrogen,
         Polynomial,
         Torsion,
+        Weight,
         WireMass,
         ZeroFreeLength,
         gas_cylinder,
@@ -336,12 +394,14 @@ if TYPE_CHECKING:
         Cable,
         Cam,
         ConstantEnergy,
+        ConstantTorque,
         Drum,
         FourBar,
         Gear,
         InvertedSliderCrank,
         Line,
         Mount,
+        Pinion,
         Profile,
         Pulley,
         Reel,
@@ -354,16 +414,21 @@ if TYPE_CHECKING:
     from equipoise.balancers.spring import Spring
     from equipoise.balancers.synthesis import Prescribed
     from equipoise.cables import (
+        behaviour,
         clearance,
         closure,
         distribute,
         equilibria,
         feasible,
-        sag_tension,
+        held_stiffness,
+        spline_floor,
         stiffness,
+        survey,
         wrench_matrix,
     )
+    from equipoise.cases import Adjuster, Case, by_payload
     from equipoise.claim import Claim
+    from equipoise.comparing import Comparing
     from equipoise.design import Design
     from equipoise.errors import (
         DisagreementError,
@@ -408,6 +473,8 @@ if TYPE_CHECKING:
     from equipoise.models.cable_platform import cable_platform
     from equipoise.models.caspr import caspr
     from equipoise.models.chain import Link, chain
+    from equipoise.models.delta import delta
+    from equipoise.models.five_bar import five_bar
     from equipoise.models.four_bar import four_bar
     from equipoise.models.human_leg import human_leg
     from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -429,14 +496,21 @@ if TYPE_CHECKING:
         preferred_sizes,
     )
     from equipoise.problem import Problem, load_problem
+    from equipoise.sag import Sag, sag_tension
+    from equipoise.scattering import Scatter, Tolerance, tolerance
     from equipoise.states import States
+    from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
+    from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
+    from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
+    from equipoise.verbs.side_by_side import side_by_side
     from equipoise.verbs.verify import verify

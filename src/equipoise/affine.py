@@ -68,7 +68,8 @@ class Affine:
             if part.blocks != parts[0].blocks:
                 raise InputError(f"cannot add an effort on {_names(part)} to one on {_names(parts[0])}")
         kind = np.result_type(*[part.b for part in parts], *[part.A for part in parts])
-        b = np.zeros(np.broadcast_shapes(*[part.b.shape for part in parts]), dtype=kind)
+        shapes = [shape for part in parts for shape in (part.b.shape, part.A.shape[:-1])]
+        b = np.zeros(np.broadcast_shapes(*shapes), dtype=kind)
         A = np.zeros((*b.shape, len(unknowns)), dtype=kind)
         for part in parts:
             b += part.b

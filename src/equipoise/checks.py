@@ -29,16 +29,20 @@ def check(problem: Problem) -> None:
     with problem.at("sweep"):
         few = problem.sweep.at(problem.sweep.coordinates[:PROBES])
         states = mechanism.states(few)
+    if problem.trajectory is not None:
+        with problem.at("trajectory"):
+            mechanism.states(problem.trajectory.at(problem.trajectory.coordinates[:PROBES]))
     for index in range(len(balancers)):
         with problem.at("balancers", index):
             assemble.check(mechanism, balancers[: index + 1])
     for index, balancer in enumerate(balancers):
         if isinstance(balancer, Spring) and not any(
-            name.startswith(f"{balancer.name}.path") for name in problem.bounds
+            name.startswith(f"{balancer.name}.path") for name in (*problem.bounds, *problem.adjusters)
         ):
             with problem.at("balancers", index):
                 _moves(balancer, states)
-                if not any(name.startswith(f"{balancer.name}.law") for name in problem.bounds):
+                moved = (*problem.bounds, *problem.adjusters)
+                if not any(name.startswith(f"{balancer.name}.law") for name in moved):
                     balancer.check_span(states)
 
     setting = assemble.setting_of(mechanism, balancers, few, states)
@@ -56,8 +60,10 @@ def check(problem: Problem) -> None:
 def _opened(problem: Problem) -> tuple[Any, ...]:
     """The balancers with parameters that `shape` finds and the file leaves out in the middle of their bounds."""
     middle = {}
-    for name, (low, high) in problem.bounds.items():
-        with problem.at("shape", name):
+    unknowns = {unknown.name for balancer in problem.balancers for unknown in balancer.unknowns}
+    ranged = [("adjust", name, pair) for name, pair in problem.adjusters.items() if pair and name not in unknowns]
+    for block, name, (low, high) in [*(("shape", name, pair) for name, pair in problem.bounds.items()), *ranged]:
+        with problem.at(block, name):
             if low >= high:
                 raise InputError(
                     f"the bounds are reversed or equal: [{low:g}, {high:g}]",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from equipoise.parts.request import Pick
     from equipoise.problem import Problem
     from equipoise.solve.program import Norm
+    from equipoise.verbs.adjust import Adjusted
 
 app = typer.Typer(
     name="equipoise",
@@ -65,6 +68,8 @@ def analyze(file: File, json: Json = False, out: Out = None) -> int:
     with staging(out) as stage:
         if stage is not None:
             (stage / "analysis.json").write_text(dumps(found.json()), encoding="utf-8")
+            if found.cables is not None:
+                found.cables.write(stage / "cables.csv")
     if json:
         emit(found.json())
     return 0
@@ -110,9 +115,11 @@ def conditions(
 @guarded
 def balance(file: File, json: Json = False, out: Out = None) -> int:
     """The best values of all unknowns at the geometry of the file."""
-    from equipoise.solving import balanced, solvable_problem
+    from equipoise.solving import balanced, served, solvable_problem
 
     problem = solvable_problem(file, "balance")
+    if problem.cases and not problem.bounds:
+        return _serve(*served(problem, None, None), problem, json, out, full=False)
     return _answer(balanced(problem), problem, json, out, stopped=False)
 
 
@@ -132,9 +139,11 @@ def shape(
     norm: Annotated[str | None, typer.Option("--norm", help="Norm of the map: rms, peak or mean.")] = None,
 ) -> int:
     """Geometry within its bounds and all unknowns together."""
-    from equipoise.solving import shaped, solvable_problem
+    from equipoise.solving import served, shaped, solvable_problem
 
     problem = solvable_problem(file, "shape")
+    if problem.cases and not over:
+        return _serve(*served(problem, seed, starts), problem, json, out, full=False)
     if not problem.bounds:
         raise InputError(
             "no geometry is free",
@@ -155,9 +164,11 @@ def shape(
 @guarded
 def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, starts: Starts = None) -> int:
     """Shape (or balance), verify and report in one go."""
-    from equipoise.solving import balanced, shaped, solvable_problem
+    from equipoise.solving import balanced, served, shaped, solvable_problem
 
     problem = solvable_problem(file, "design")
+    if problem.cases:
+        return _serve(*served(problem, seed, starts), problem, json, out or _default_out(problem), full=True)
     found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
     out = out or _default_out(problem)
     if problem.content.pick is not None and not stopped:
@@ -269,6 +280,60 @@ def report(file: Made, json: Json = False, out: Out = None) -> int:
 
 @app.command()
 @guarded
+def side_by_side(
+    files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Problem files or designs of one mechanism.")],
+    json: Json = False,
+    out: Out = None,
+) -> int:
+    """Several designs over one motion: mass, inertia, shaking, torque, power and work beside each other."""
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.solving import found_design
+    from equipoise.verbs.side_by_side import side_by_side as run
+
+    designs = {Path(file).stem: found_design(file, "side-by-side")[0] for file in files}
+    found = run(designs)
+    say(str(found))
+    with staging(out) as stage:
+        if stage is not None:
+            (stage / "side_by_side.json").write_text(dumps(found.json()), encoding="utf-8")
+    if json:
+        emit(found.json())
+    return 0
+
+
+@app.command()
+@guarded
+def compare(file: File, json: Json = False, out: Out = None, starts: Starts = None) -> int:
+    """A working member of every family of balancers for one joint, side by side and ranked."""
+    from equipoise.reporting.comparison import markdown
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.targets import target_of
+    from equipoise.verbs.compare import STARTS
+    from equipoise.verbs.compare import compare as run
+
+    problem = target_of(file).problem
+    norm = next(aim.norm for aim in problem.objective if aim.cap is None)
+    with problem.at_names():
+        found = run(
+            problem.mechanism,
+            problem.sweep,
+            problem.content.compare,
+            norm=norm,
+            starts=starts or STARTS,
+            progress=lambda name: say(f"designing {name}"),
+        )
+    say(str(found))
+    with staging(out) as stage:
+        if stage is not None:
+            (stage / "comparison.json").write_text(dumps(found.json()), encoding="utf-8")
+            (stage / "comparison.md").write_text(markdown(found) + "\n", encoding="utf-8")
+    if json:
+        emit(found.json())
+    return 0
+
+
+@app.command()
+@guarded
 def reproduce(
     paper: Annotated[str | None, typer.Argument(metavar="[PAPER]", help="A paper, or a part of its name.")] = None,
     json: Json = False,
@@ -277,7 +342,7 @@ def reproduce(
     """The papers' printed numbers, ours beside them, and a verdict for each."""
     from equipoise.verbs.reproduce import reproduce as run
 
-    found = run(paper, progress=lambda slug: say(f"recomputing {slug}"))
+    found = run(paper, workers=os.cpu_count() or 1, progress=lambda slug: say(f"recomputing {slug}"))
     with staging(out) as stage:
         written = [path for one in found for path in (one.write(stage) if stage is not None else [])]
     if json:
@@ -360,14 +425,24 @@ def _mapped(found: Design, problem: Problem, json: bool, out: Path, *, over: tup
 
 
 def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: bool) -> int:
+    from equipoise.scattering import followed, tolerance
+    from equipoise.solving import cut
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import verify as run
 
     found = _told(found, problem, out)
+    refused = None
+    try:
+        found = replace(found, made=tuple(cut(problem, found)))
+    except InputError as error:
+        # The springs are found all the same.
+        refused = error
     try:
         with staging(out) as stage:
             assert stage is not None
             found = run(found, out=stage)
+            if followed(found):
+                found = replace(found, tolerance=tolerance(found, problem.content.tolerances))
             write_report(found, stage)
     except KeyboardInterrupt:
         # The design itself is finished work.
@@ -375,7 +450,55 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
             _write(found, stage)
         say(f"stopped during verification and report; the design is in {out / 'design.json'}")
         return STOPPED
-    return _conclude(found, json, stopped, [*_written(out, found), f"report      {out / 'report.html'}"])
+    parts = [f"part        {out / f'{part.name}.dxf'}" for part in found.made]
+    code = _conclude(found, json, stopped, [*_written(out, found), *parts, f"report      {out / 'report.html'}"])
+    if refused is not None:
+        raise refused
+    return code
+
+
+def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Path | None, *, full: bool) -> int:
+    """One design for several cases: verified in each, reported in the hardest, a folder for every case."""
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.scattering import followed, tolerance
+    from equipoise.verbs.report import report as write_report
+    from equipoise.verbs.verify import insist
+    from equipoise.verbs.verify import verify as run
+
+    designs = list(found.designs)
+    with staging(out) as stage:
+        for index, design in enumerate(found.designs):
+            folder = f"case_{index + 1}"
+            designs[index] = _told(design, problem, None if out is None else out / folder)
+            if full and stage is not None:
+                (stage / folder).mkdir()
+                designs[index] = run(designs[index], out=stage / folder)
+                _write(designs[index], stage / folder)
+        found = replace(found, designs=tuple(designs))
+        if stage is not None:
+            if full:
+                shown = _told(designs[found.hardest], problem, out)
+                if followed(shown):
+                    shown = replace(shown, tolerance=tolerance(shown, problem.content.tolerances))
+                write_report(shown, stage)
+            (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")
+    say("\n".join([str(found), *([] if out is None else [f"design      {out / 'design.json'}"])]))
+    if full and out is not None:
+        say(f"report      {out / 'report.html'}")
+    if json:
+        emit(found.json())
+    if stopped:
+        return STOPPED
+    labelled = list(zip(found.labels, designs, strict=True))
+    reasons = [f"target missed in {label}: {design.missed}" for label, design in labelled if design.missed]
+    try:
+        for design in designs:
+            insist(design)
+    except DisagreementError as error:
+        reasons.append(str(error))
+    for reason in reasons:
+        say(f"error: {reason}")
+    return 1 if reasons else 0
 
 
 def _conclude(found: Design, json: bool, stopped: bool, lines: Sequence[str]) -> int:

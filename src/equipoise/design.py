@@ -16,6 +16,7 @@ from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
 from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
+from equipoise.cases import Settings
 from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
@@ -26,7 +27,10 @@ from equipoise.sweep import Sweep
 from equipoise.swept import swept_box
 
 if TYPE_CHECKING:
+    from equipoise.cables.behaviour import Behaviour
     from equipoise.machinery import Machine
+    from equipoise.make.synthesis import Part as MadePart
+    from equipoise.scattering import Tolerance
     from equipoise.verification.findings import Verification
 
 
@@ -97,7 +101,9 @@ class Design:
 
     values {name: SI value} and units {name: unit} of the unknowns; geometry {parameter: value} that shape
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
-    whose poses were found between the samples; problem is the file it came from, where there was one.
+    whose poses were found between the samples; problem is the file it came from, where there was one; settings say
+    what is adjusted from case to case, where a design serves several; cables says how a cable platform behaves with
+    its springs, made are the cams and drums cut for them; tolerance says how it scatters when parts are as they come.
     """
 
     mechanism: Mechanism
@@ -117,6 +123,10 @@ class Design:
     refined: int = 0
     verification: Verification | None = None
     problem: Mapping[str, Any] | None = None
+    cables: Behaviour | None = None
+    made: tuple[MadePart, ...] = ()
+    settings: Settings | None = None
+    tolerance: Tolerance | None = None
 
     @property
     def norm(self) -> str:
@@ -233,6 +243,10 @@ class Design:
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
+            "cables": None if self.cables is None else self.cables.json(),
+            "made": [part.facts() for part in self.made],
+            "settings": self.settings.json() if self.settings else None,
+            "tolerance": self.tolerance.json() if self.tolerance else None,
             "cite": self.cite(),
         }
 
@@ -320,18 +334,18 @@ def _rotor_part(design: Design, rotor: Any) -> dict[str, Any]:
         "ends": [{"body": rotor.at.body, "at": [float(v) for v in rotor.at.at]}],
     }
     if design.states.rates is not None:
-        torque = rotor.mesh_torque(design.states, design.values)
-        part["mesh_torque"] = [float(torque.min()), float(torque.max())]
+        meshes = rotor.meshes(design.states, design.values)
+        own = meshes[0]
+        part["mesh_torque"] = [float(own.torque.min()), float(own.torque.max())]
         if design.sweep.instants is not None:
-            part["torque_reversals"] = reversals(torque)
-        part["preload"] = float(max(0.0, min(torque.max(), -torque.min())))
+            part["torque_reversals"] = own.reversals
+        part["preload"] = own.preload
+        part["meshes"] = [
+            {"name": mesh.name, "torque": float(np.abs(mesh.torque).max()), "preload": mesh.preload}
+            | ({"reversals": mesh.reversals} if design.sweep.instants is not None else {})
+            for mesh in meshes
+        ]
     return part
-
-
-def reversals(torque: np.ndarray) -> int:
-    """How often a torque over time (N,) changes its sign; what is rounding does not count."""
-    signs = np.sign(torque[np.abs(torque) > 1e-9 * max(float(np.abs(torque).max(initial=0.0)), 1e-300)])
-    return int((np.diff(signs) != 0).sum())
 
 
 def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:

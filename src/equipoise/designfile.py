@@ -16,9 +16,11 @@ from equipoise.assemble import Balancer, account
 from equipoise.design import Active, Certificate, Design
 from equipoise.errors import ProblemError
 from equipoise.floors import Floor
+from equipoise.mechanism import Mechanism
 from equipoise.parameters import unit_of, write
 from equipoise.problem import Problem, problem_of
 from equipoise.steepness import Account
+from equipoise.sweep import Sweep
 from equipoise.verbs.analyze import before_and_after
 from equipoise.yamlfile import Document
 
@@ -31,6 +33,8 @@ def with_problem(design: Design, problem: Problem, out: Path | None) -> Design:
     folder = os.path.relpath(problem.folder.absolute(), (out or Path()).absolute())
     file = Path(problem.document.name).name if design.problem is None else design.problem.get("file", "")
     record = {"file": file, "folder": Path(folder).as_posix(), "content": problem.raw}
+    if design.settings is not None:
+        record["case"] = design.settings.case
     return replace(design, problem=record)
 
 
@@ -46,11 +50,13 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
     problem = problem_of(Document(f"{name}, problem", record["content"]), folder)
     problem.check()
     geometry, values = (_values(data, key, name) for key in ("geometry", "unknowns"))
+    ranges = problem.bounds | {name: pair for name, pair in problem.adjusters.items() if pair}
     for parameter in geometry:
-        if parameter not in problem.bounds:
+        if parameter not in ranges:
             raise ProblemError(f"geometry {parameter!r} is not in the problem's `shape`", where=name)
     balancers = write(problem.balancers, geometry)
-    states = problem.mechanism.states(problem.sweep)
+    mechanism, sweep = _case(problem, record, name)
+    states = mechanism.states(sweep)
     unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
     missing = [unknown.name for unknown in unknowns if unknown.name not in values]
     if missing:
@@ -58,9 +64,8 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
     ordered = {unknown.name: values[unknown.name] for unknown in unknowns}
 
     def told(parts: tuple[Balancer, ...]) -> Account:
-        return lambda other: account(problem.mechanism, parts, other, problem.objective, ordered)
+        return lambda other: account(mechanism, parts, other, problem.objective, ordered)
 
-    mechanism, sweep = problem.mechanism, problem.sweep
     before, after = before_and_after(mechanism, sweep, states, told(()), told(balancers))
     design = Design(
         mechanism=mechanism,
@@ -75,12 +80,23 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         after=after,
         certificate=_certificate(data.get("certificate"), name),
         geometry=geometry,
-        bounds={parameter: problem.bounds[parameter] for parameter in geometry},
+        bounds={parameter: ranges[parameter] for parameter in geometry},
         seed=int(data.get("seed") or 0),
         refined=int(data.get("refined") or 0),
         problem=record,
     )
     return problem, design, tuple(_changes(design, data))
+
+
+def _case(problem: Problem, record: Mapping[str, Any], name: str) -> tuple[Mechanism, Sweep]:
+    """What the design moves: of several cases the one that the file names."""
+    index = record.get("case")
+    if index is None:
+        return problem.mechanism, problem.sweep
+    if not isinstance(index, int) or not 0 <= index < len(problem.cases):
+        raise ProblemError(f"there is no case number {index}", where=f"{name}, problem.case")
+    case = problem.cases[index]
+    return case.mechanism, case.sweep
 
 
 def _read(path: Path, name: str) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,12 +16,14 @@ from mujoco.batch import Batch
 from equipoise.affine import Affine, Array, Block
 from equipoise.errors import InputError, nearest
 from equipoise.models.notices import errors, refusals
-from equipoise.units import Acceleration
+from equipoise.units import Acceleration, Joint
 
 if TYPE_CHECKING:
     from equipoise.states import States
     from equipoise.sweep import Sweep
 
+MASSLESS = 1e-12
+"""kg, more than the trace that MuJoCo wants of a body without mass."""
 ANSWERED = ("hold", "drive", "force", "moment", "mass", "energy", "storage")
 """What mechanism and balancers answer of a state."""
 
@@ -39,13 +41,16 @@ class Platform:
     """What cables hold: its reference point, the rows of its wrench, the length that makes moments comparable.
 
     rows S (n, 6) pick the wrench from (F, M) in world axes at the point, n the number of driven joints; length in
-    m divides the moments of the resultant; cables are the names of the tendons that hold it.
+    m divides the moments of the resultant; cables are the names of the tendons that hold it; t_min and t_max, N, are
+    the tensions that each of them may have.
     """
 
     point: Point
     rows: tuple[tuple[float, ...], ...]
     length: float
     cables: tuple[str, ...] = ()
+    t_min: tuple[float, ...] = ()
+    t_max: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +95,19 @@ class Mechanism:
         from equipoise.models.load import load
 
         return load(model, driven=driven, gravity=gravity, branch=branch, search=tuple(search))
+
+    def on_branch(self, branch: str, at: Mapping[str, Joint] | Array | None = None) -> Mechanism:
+        """The mechanism in one of the assemblies that its loops allow at positions of the driven joints.
+
+        at holds {joint: position} or all of them (nd,), rad or m (default and for joints left out: the reference's).
+        Branches are named after the dependent joint that tells them apart: `platform_x-`, `platform_x+`. Raises
+        LoopError naming the choices for any other name, or where nothing regular closes.
+        """
+        from equipoise.loops import on_branch
+        from equipoise.sweep import pose_vector
+
+        driven = at if isinstance(at, np.ndarray) else pose_vector(self, at or {})
+        return on_branch(self, np.asarray(driven, dtype=float), branch)
 
     def at(self, body: str, x: Any = 0.0, y: Any = 0.0, z: Any = 0.0) -> Point:
         """A point of a body in its own frame, m; raises InputError for a body that does not exist."""
@@ -169,8 +187,8 @@ class Mechanism:
 
     @property
     def mass(self) -> float:
-        """Total mass, kg."""
-        return float(self.model.body_mass.sum())
+        """Total mass, kg, without the traces that bodies of no mass carry."""
+        return float(self.model.body_mass[self.model.body_mass > MASSLESS].sum())
 
     def forward(self, q: Array, velocity: Array | None, names: Sequence[str]) -> list[Array]:
         """Fields (N, ...) that MuJoCo computes of postures q (N, nq) at velocities (N, nv), on all cores.

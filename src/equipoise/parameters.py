@@ -5,7 +5,7 @@ from __future__ import annotations
 import fnmatch
 import functools
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, TypeVar, cast
 
@@ -61,6 +61,31 @@ def unit_of(balancers: Sequence[Item], name: str) -> str:
     if not is_dataclass(parent) or isinstance(parent, Point):
         return "m"
     return along_path(unit_marks(type(parent)).get(keys[-1], ""), getattr(getattr(balancer, "path", None), "unit", "m"))
+
+
+def geometry(balancer: Item) -> tuple[tuple[str, str], ...]:
+    """Names of all numbers that say where a balancer acts, with their SI units: of its path, or its place."""
+    if hasattr(balancer, "path"):
+        return tuple(_numbers(balancer.path, f"{balancer.name}.path", balancer.path.unit))
+    if hasattr(balancer, "at"):
+        return tuple((f"{balancer.name}.at.{axis}", "m") for axis in AXES)
+    return ()
+
+
+def _numbers(item: Any, name: str, along: str) -> Iterator[tuple[str, str]]:
+    if isinstance(item, Point):
+        yield from ((f"{name}.{axis}", "m") for axis in AXES)
+    elif isinstance(item, tuple):
+        for index, entry in enumerate(item):
+            yield from _numbers(entry, f"{name}.{index}", along)
+    elif is_dataclass(item) and not isinstance(item, type):
+        marks = unit_marks(type(item))
+        for field in fields(item):
+            value, inner = getattr(item, field.name), f"{name}.{field.name}"
+            if is_dataclass(value) or (isinstance(value, tuple) and any(is_dataclass(entry) for entry in value)):
+                yield from _numbers(value, inner, along)
+            elif marks.get(field.name) and isinstance(value, int | float) and not isinstance(value, bool):
+                yield inner, along_path(marks[field.name], along)
 
 
 def reaches(balancers: Sequence[Item], name: str) -> tuple[str, ...]:

@@ -226,7 +226,9 @@ def _bent(bend: Array, step: Array, fall: Array) -> Array:
     model = np.where(still, 1.0, model)
     share = np.where(seen >= 0.2 * model, 1.0, 0.8 * model / np.maximum(model - seen, TINY))
     fall = share[:, None] * fall + (1 - share)[:, None] * push
-    seen = np.where(still, 1.0, (step * fall).sum(axis=1))
+    seen = (step * fall).sum(axis=1)
+    still |= seen <= TINY  # at rounding level there is no curvature to see
+    seen = np.where(still, 1.0, seen)
     change = fall[:, :, None] * fall[:, None, :] / seen[:, None, None]
     change = change - push[:, :, None] * push[:, None, :] / model[:, None, None]
     return bend + np.where(still[:, None, None], 0.0, change)

@@ -10,14 +10,18 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from equipoise.balancers.spring import Spring
+from equipoise.cases import Case, by_payload
+from equipoise.comparing import Comparing
 from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
 from equipoise.forms import Form, Later, Reading
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.parts.request import Pick
 from equipoise.places import REMEDY, problem_error, where
+from equipoise.scattering.scatter import Scatter
 from equipoise.sweep import Sweep
 from equipoise.tags import BALANCER, LIMIT, MAKE, MECHANISM, START, SWEEP
+from equipoise.tilt import Tilt
 from equipoise.units import Measured, to_si
 from equipoise.yamlfile import Document, read_yaml
 
@@ -34,23 +38,36 @@ class Search:
 class ProblemFile:
     """A problem: what moves, over which poses, what is added, what may change shape, what must hold, what counts.
 
-    mechanism is a robot file `{model: path}` or a builder; sweep the poses that matter (default: 2048 Sobol
-    poses over the joint limits); start {spring: {prescribed: ...}} derives a spring's geometry, from which shape then
-    starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`; make lists cams and drums that
-    `equipoise make` cuts; pick asks for real parts in the place of ideal springs.
+    mechanism is a robot file `{model: path}` or a builder; branch names the assembly of its loops at the sweep's first
+    pose or instant, where that is not the reference's (an unknown name is answered by the choices); sweep the poses
+    that matter (default: 2048 Sobol poses over the joint limits); start {spring: {prescribed: ...}} derives a spring's
+    geometry, from which shape then starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`;
+    adjust {parameter: [low, high]} is set anew for every payload or case, null leaves an unknown its natural bounds;
+    cases list mechanisms that one design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is
+    how the base leans; compare says which joint `equipoise compare` looks at; make lists cams and drums that
+    `equipoise make` cuts; trajectory, a motion or poses in order,
+    is what a cable platform's motors are judged on; tolerances says how far parts and robot may be
+    off; pick asks for real parts in the place of ideal springs.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
 
     mechanism: Annotated[Any, MECHANISM]
+    branch: str | None = None
     sweep: Annotated[Any, SWEEP] | None = None
     balancers: tuple[Annotated[Any, BALANCER], ...] = ()
     start: Mapping[str, Annotated[Any, START]] | None = None
     shape: Mapping[str, tuple[Any, Any]] | None = None
+    adjust: Mapping[str, tuple[Any, Any] | None] | None = None
+    cases: tuple[Mapping[str, Any | tuple[Any, ...]], ...] = ()
+    tilt: Tilt | None = None
     search: Search = field(default_factory=Search)
+    compare: Comparing | None = None
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()
+    tolerances: Scatter = field(default_factory=Scatter)
+    trajectory: Annotated[Any, SWEEP] | None = None
     pick: Pick | None = None
 
 
@@ -70,11 +87,18 @@ class Problem:
 
     @functools.cached_property
     def mechanism(self) -> Mechanism:
-        """What moves."""
+        """What moves, on the branch that was named."""
         try:
-            return self.content.mechanism()
+            made = self.content.mechanism()
         except InputError as error:
             raise self.placed(error, self._part(error)) from None
+        branch, later = self.content.branch, self.content.sweep
+        if branch is None:
+            return made
+        with self.at("sweep"):
+            first = None if later is None else later(made).poses[0]
+        with self.at("branch"):
+            return made.on_branch(branch, first)
 
     @functools.cached_property
     def sweep(self) -> Sweep:
@@ -83,6 +107,18 @@ class Problem:
         with self.at("sweep"):
             if later is None:
                 return Sweep.sobol(self.mechanism)
+            self._joint_units(later)
+            return later(self.mechanism)
+
+    @functools.cached_property
+    def trajectory(self) -> Sweep | None:
+        """What the motors of a cable platform follow."""
+        later = self.content.trajectory
+        if later is None:
+            return None
+        with self.at("trajectory"):
+            if self.mechanism.platform is None or not self.mechanism.platform.cables:
+                raise InputError(f"{self.mechanism.name} has no cables, a trajectory says nothing of it")
             self._joint_units(later)
             return later(self.mechanism)
 
@@ -126,6 +162,50 @@ class Problem:
                 low, high = (to_si(value, unit) for value in pair)
                 found[name] = (low, high)
         return found
+
+    @functools.cached_property
+    def adjusters(self) -> dict[str, tuple[float, float] | None]:
+        """Bounds of what is set anew for every case {parameter: (low, high) or None}, SI."""
+        from equipoise.parameters import unit_of
+
+        units = {unknown.name: unknown.unit for balancer in self.balancers for unknown in balancer.unknowns}
+        found: dict[str, tuple[float, float] | None] = {}
+        for name, pair in (self.content.adjust or {}).items():
+            with self.at("adjust", name):
+                unit = units.get(name) if name in units else unit_of(self.balancers, name)
+                assert unit is not None
+                found[name] = None if pair is None else (to_si(pair[0], unit), to_si(pair[1], unit))
+        return found
+
+    @functools.cached_property
+    def cases(self) -> tuple[Case, ...]:
+        """What one design must serve, where the file asks for adjusters, `cases` or `tilt`; else nothing."""
+        if not (self.content.adjust or self.content.cases or self.content.tilt):
+            return ()
+        plain = [("", self.mechanism, self.sweep)]
+        bases = [self._variant(index) for index in range(len(self.content.cases))] or plain
+        found: list[Case] = []
+        with self.at("tilt" if self.content.tilt else "sweep"):
+            for label, mechanism, sweep in bases:
+                leans = self.content.tilt.apply(mechanism) if self.content.tilt else {"": mechanism}
+                for lean, leaning in leans.items():
+                    name = ", ".join(part for part in (label, lean) if part)
+                    apart = self.content.adjust and len(sweep.scenarios) > 1
+                    found += by_payload(leaning, sweep, name) if apart else [Case(name or "as is", leaning, sweep)]
+        return tuple(found)
+
+    def _variant(self, index: int) -> tuple[str, Mechanism, Sweep]:
+        """Label, mechanism and sweep of one of the `cases`."""
+        changes = dict(self.raw["cases"][index])
+        label = str(changes.pop("case", "")) or ", ".join(f"{name} {value}" for name, value in changes.items())
+        block = self.raw["mechanism"]
+        key = next(iter(block)) if isinstance(block, Mapping) else block
+        own = {} if isinstance(block, str) else block[key]
+        whole = {**block, **changes} if "model" in block else {key: {**(own or {}), **changes}}
+        kept = {name: value for name, value in self.raw.items() if name not in ("cases", "adjust", "tilt")}
+        with self.at("cases", index):
+            other = problem_of(Document("", kept | {"mechanism": whole}), self.folder)
+            return label, other.mechanism, other.sweep
 
     def check(self) -> None:
         """Raise InputError, naming file, line and field, for whatever does not fit the mechanism."""

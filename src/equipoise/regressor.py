@@ -20,12 +20,16 @@ from equipoise.balancers.counterweight import MOMENTS, SECOND, moves_in_plane
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism
 from equipoise.momentum import body_inertia, momentum
+from equipoise.posefile import held
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
 AXES = "xyz"
 ROUNDING = 1e-10
 """Beside the largest singular value, what counts as zero; exact ranks leave a gap of many decades around it."""
+
+NEAR = 0.1
+"""Share of the joints' ranges within which loops are tried first; any open set of poses has the same row space."""
 
 _free: weakref.WeakKeyDictionary[Mechanism, dict[Any, States]] = weakref.WeakKeyDictionary()
 
@@ -113,9 +117,18 @@ def free_states(mechanism: Mechanism, sweep: Sweep | None, count: int, seed: int
     known = _free.setdefault(mechanism, {})
     key = (count, seed, payloads, scenarios.tobytes())
     if key not in known:
-        free = Sweep.any_motion(mechanism, count, seed=seed)
+        free = Sweep.any_motion(mechanism, count, seed=seed, ranges=_around(mechanism))
         known[key] = mechanism.states(replace(free, payloads=payloads, scenarios=scenarios)).momenta
     return known[key]
+
+
+def _around(mechanism: Mechanism) -> dict[str, tuple[float, float]]:
+    """Ranges of the driven joints: all there is, or where loops may have walls, near the reference."""
+    centre, box = held(mechanism), mechanism.box
+    low, high = np.where(np.isnan(box), centre[:, None] + [-0.5, 0.5], box).T
+    share = NEAR if mechanism.model.neq else 1.0
+    low, high = (centre + share * (end - centre) for end in (low, high))
+    return {joint: (float(a), float(b)) for joint, a, b in zip(mechanism.driven, low, high, strict=True)}
 
 
 def row_space(rows: Array) -> tuple[Array, Array, float]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
 from equipoise.console import Interrupts, progress_bar, say
 from equipoise.design import Design
 from equipoise.errors import InputError
@@ -10,6 +13,9 @@ from equipoise.problem import Problem
 from equipoise.targets import Target, needs_problem, target_of
 from equipoise.verbs import balance as verbs_balance
 from equipoise.verbs import shape as verbs_shape
+
+if TYPE_CHECKING:
+    from equipoise.verbs.adjust import Adjusted
 
 
 def solvable_problem(file: str, verb: str) -> Problem:
@@ -40,7 +46,10 @@ def found_design(file: str, verb: str) -> tuple[Design, Problem, bool]:
     """The design that a file holds, or that its problem leads to; whether Ctrl-C cut the search short."""
     target = _solvable(_target(file), file, verb)
     if target.design is not None:
-        return target.design, target.problem, False
+        return _behaving(target.design, target.problem), target.problem, False
+    if target.problem.cases:
+        served_all, stopped = served(target.problem, None, None)
+        return served_all.designs[served_all.hardest], target.problem, stopped
     if target.problem.bounds:
         found, stopped = shaped(target.problem, None, None)
         return found, target.problem, stopped
@@ -59,19 +68,58 @@ def made_parts(file: str) -> tuple[list[Part], Problem]:
         )
     needs_design = any(hasattr(request, "spring") for request in asked)
     design = found_design(file, "make")[0] if needs_design else None
+    return cut(target.problem, design), target.problem
+
+
+def cut(problem: Problem, design: Design | None) -> list[Part]:
+    """The cams and drums that a problem asks for; errors name the request."""
     parts = []
-    for index, request in enumerate(asked):
-        with target.problem.at("make", index):
-            parts.append(request.part(target.problem.mechanism, design))
-    return parts, target.problem
+    for index, request in enumerate(problem.content.make):
+        with problem.at("make", index):
+            parts.append(request.part(problem.mechanism, design))
+    return parts
+
+
+def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adjusted, bool]:
+    """One design for all cases of a file, with progress on stderr; whether Ctrl-C cut the search short."""
+    from equipoise.verbs.adjust import adjust
+
+    search = problem.search
+    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    with problem.at_names(), Interrupts() as interrupts, progress_bar("adjust", "starts", unit) as progress:
+        found = adjust(
+            problem.cases,
+            problem.balancers,
+            problem.adjusters,
+            problem.bounds,
+            objective=problem.objective,
+            limits=problem.limits,
+            starts=search.starts if starts is None else starts,
+            seed=search.seed if seed is None else seed,
+            progress=progress,
+        )
+    return found, interrupts.hit
 
 
 def balanced(problem: Problem) -> Design:
     """All unknowns at the geometry of the file."""
     with problem.at_names():
-        return verbs_balance.balance(
-            problem.mechanism, problem.balancers, problem.sweep, objective=problem.objective, limits=problem.limits
+        return _behaving(
+            verbs_balance.balance(
+                problem.mechanism, problem.balancers, problem.sweep, objective=problem.objective, limits=problem.limits
+            ),
+            problem,
         )
+
+
+def _behaving(design: Design, problem: Problem) -> Design:
+    """The design with how a cable platform behaves, where it is one."""
+    platform = design.mechanism.platform
+    if platform is None or not platform.cables:
+        return design
+    from equipoise.cables.behaviour import behaviour
+
+    return replace(design, cables=behaviour(design, problem.trajectory))
 
 
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:
@@ -92,4 +140,4 @@ def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Desi
         )
     if interrupts.hit:
         say(f"the search was stopped by hand: the best of {found.certificate.starts} starts")
-    return found, interrupts.hit
+    return _behaving(found, problem), interrupts.hit

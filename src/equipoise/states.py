@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     from equipoise.sweep import Sweep
 
+REMEMBERED = 12
+"""Points whose places are kept for the next who asks."""
+
 
 class Spot(Protocol):
     """A point that no body of the mechanism carries, such as a slider: it says where it is and what carries it."""
@@ -29,10 +32,6 @@ class Spot(Protocol):
     def seat(self, model: mujoco.MjModel, name: str) -> Point:
         """The point of the body that carries the spot in a model in which the part `name` was installed."""
         ...
-
-
-RECENT = 16
-"""Points whose place and Jacobian are kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,17 +173,16 @@ class States:
         """
         if not isinstance(point, Point):
             return point.locate(self)
-        # A spring asks for its ends once for its pull and once for its weight.
+        # Path, law, limits and own mass of a spring ask for the same two points in turn.
         known = self._points.get(id(point))
-        if known is not None and known[0] is point:
-            return known[1]
-        if len(self._points) >= RECENT:
-            self._points.clear()
-        found = self._placed(point)
-        self._points[id(point)] = point, found
-        return found
+        if known is None:
+            # Threads may share the states: what one of them takes away, another must not miss.
+            if len(self._points) >= REMEMBERED:
+                self._points.pop(next(iter(tuple(self._points))), None)
+            known = self._points[id(point)] = (point, self._point(point))
+        return known[1]
 
-    def _placed(self, point: Point) -> tuple[Array, Array]:
+    def _point(self, point: Point) -> tuple[Array, Array]:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]

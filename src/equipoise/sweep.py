@@ -25,7 +25,7 @@ from equipoise.units import Joint, Length, Mass, Number, Time, to_si
 
 MAX_POSES = 5_000_000
 INSTANTS = 721
-PROBE = 24
+PROBE = 12
 """How many random poses must be in reach before more are tried."""
 
 

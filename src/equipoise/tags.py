@@ -12,6 +12,7 @@ from equipoise.balancers.laws import (
     BSpline,
     Coil,
     Constant,
+    ConstantPressure,
     Gas,
     HydroPneumatic,
     Law,
@@ -19,6 +20,7 @@ from equipoise.balancers.laws import (
     Nitrogen,
     Polynomial,
     Torsion,
+    Weight,
     WireMass,
     ZeroFreeLength,
     gas_cylinder,
@@ -29,6 +31,7 @@ from equipoise.balancers.paths import (
     Cable,
     Cam,
     ConstantEnergy,
+    ConstantTorque,
     Drum,
     FourBar,
     Gear,
@@ -36,6 +39,7 @@ from equipoise.balancers.paths import (
     Lift,
     Line,
     Path,
+    Pinion,
     Profile,
     Pulley,
     Reel,
@@ -73,6 +77,8 @@ from equipoise.mechanism import Mechanism, Point
 from equipoise.models.cable_platform import cable_platform
 from equipoise.models.caspr import caspr
 from equipoise.models.chain import chain
+from equipoise.models.delta import delta
+from equipoise.models.five_bar import five_bar
 from equipoise.models.four_bar import four_bar
 from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
@@ -90,7 +96,9 @@ BUILDERS: dict[str, Callable[..., Any]] = {
     "parallelogram_robot": parallelogram_robot,
     "human_leg": human_leg,
     "four_bar": four_bar,
+    "five_bar": five_bar,
     "rrr3": rrr3,
+    "delta": delta,
     "slider_crank": slider_crank,
     "cable_platform": cable_platform,
     "caspr": caspr,
@@ -113,7 +121,7 @@ BALANCERS: dict[str, Callable[..., Any]] = {
     "counter_rotor": CounterRotor,
     "flywheel": Flywheel,
 }
-TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear}
+TURNS: dict[str, Callable[..., Any]] = {"angle": Angle, "absolute": Absolute, "gear": Gear, "pinion": Pinion}
 SHAFTS: dict[str, Callable[..., Any]] = {**TURNS, "winding": Winding}
 PATHS: dict[str, Callable[..., Any]] = {
     "line": Line,
@@ -132,6 +140,7 @@ PROFILES: dict[str, Callable[..., Any]] = {
     "csv": Profile.csv,
     "pitch": Profile.pitch,
     "constant_energy": ConstantEnergy,
+    "constant_torque": ConstantTorque,
 }
 STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
 PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
@@ -140,6 +149,8 @@ LAWS: dict[str, Callable[..., Any]] = {
     "linear": Linear,
     "coil": Coil,
     "constant": Constant,
+    "weight": Weight,
+    "constant_pressure": ConstantPressure,
     "gas": Gas,
     "gas_cylinder": gas_cylinder,
     "hydro_pneumatic": HydroPneumatic,

@@ -20,6 +20,28 @@ from equipoise.states import States
 from equipoise.units import Inertia, Length, Mass, Number
 
 BASE = Point("world")
+SLIGHT = 1e-9
+"""Share of the largest torque below which its sign is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A mesh or belt and the torque (N,), N m, that it passes over a motion, counted at the driven side."""
+
+    name: str
+    torque: Array
+
+    @property
+    def reversals(self) -> int:
+        """How often the torque changes its sign, so that the teeth change sides."""
+        size = float(np.abs(self.torque).max(initial=0.0))
+        signs = np.sign(self.torque[np.abs(self.torque) > SLIGHT * max(size, 1e-300)])
+        return int((np.diff(signs) != 0).sum())
+
+    @property
+    def preload(self) -> float:
+        """The least torque of an anti-backlash spring that keeps the teeth on one side throughout, N m."""
+        return float(max(0.0, min(self.torque.max(), -self.torque.min())))
 
 
 @dataclass(frozen=True)
@@ -129,9 +151,16 @@ class CounterRotor:
     def _turn(self, states: States, body: str, normal: Array) -> tuple[Array, Array]:
         return states.placement(body).push @ normal, np.einsum("i,nij->nj", normal, states.rotation(body)[1])
 
-    def mesh_torque(self, states: States, values: Mapping[str, float]) -> Array:
-        """Torque (N,) through the rotor's mesh or belt, J dOmega/dt, N m."""
-        return self.found(values) * self._spin(states)[1][0]
+    def meshes(self, states: States, values: Mapping[str, float]) -> tuple[Mesh, ...]:
+        """The rotor's own mesh, J dOmega/dt; of a planetary pair also the belt that turns the pair's first gear.
+
+        T_mesh = J dOmega/dt,   T_belt = J_gear dw_b/dt - ratio T_mesh
+        """
+        _, rotor, gear = self._spin(states)
+        driven = Mesh(f"{self.name}", self.found(values) * rotor[0])
+        if not self.gear_inertia:
+            return (driven,)
+        return driven, Mesh(f"{self.name} belt", self.gear_inertia * gear[0] - self.ratio * driven.torque)
 
     def found(self, values: Mapping[str, float]) -> float:
         """The rotor's inertia, kg m^2."""

@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
-from equipoise.balancers.laws import Law, Stored, WireMass
+from equipoise.balancers.laws import Law, Stored, Weight, WireMass
 from equipoise.balancers.paths import Path, Place
 from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.errors import InputError, nearest
@@ -216,6 +216,8 @@ class Spring:
         any other law is stored as the cubic nearest to it over the lengths of the states.
         """
         tendon = self.path.install(spec, self.name, states)
+        if isinstance(self.law, Weight):
+            tendon.armature = self.law.parameters(self.own(values))["m"]
         stored = self.stored(values, states)
         constant, *stiffness = stored.coefficients
         if constant == 0.0 or any(stiffness[1:]):

@@ -11,20 +11,24 @@ from equipoise.affine import Array
 from equipoise.assemble import effort
 from equipoise.balancers.paths import Reel
 from equipoise.balancers.spring import Spring
+from equipoise.cables.stiffness import hold, principal, slopes, stiffness
 from equipoise.design import Design
 from equipoise.mechanism import Mechanism
 
-STEP = 1e-5
 STEPS = 60
 SETTLED = 1e-10
 SAME = 1e-5
 STARTS = 600
+SPATIAL_STARTS = 100
+"""Starts on platforms with more than two coordinates, whose steps cost more."""
+STUCK = 12
+"""Steps in a row outside the region after which a start is given up."""
 LEVEL = 1e-7
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A pose without resultant: kind minimum, saddle, maximum or corner sink; stiffness are dV/dq's eigenvalues.
+    """A pose without resultant: kind minimum, saddle, maximum or corner sink; stiffness is principal, N/m.
 
     In a corner sink a point platform rests on an anchor: its own cable pulls harder than all others together.
     """
@@ -32,22 +36,6 @@ class Equilibrium:
     pose: Mapping[str, float]
     kind: str
     stiffness: tuple[float, ...]
-
-
-def stiffness(design: Design, poses: Array) -> Array:
-    """K (N, nd, nd) = d2V/dq2 at poses (N, nd): springs, weight and payload; N/m, N or N m/rad.
-
-    Central differences of the holding effort, extrapolated (Richardson).
-    """
-    nd = poses.shape[1]
-
-    def slope(h: float) -> Array:
-        moves = h * np.concatenate([np.eye(nd), -np.eye(nd)])
-        there = _hold(design, (poses[:, None] + moves).reshape(-1, nd)).reshape(len(poses), 2, nd, nd)
-        return np.swapaxes((there[:, 0] - there[:, 1]) / (2 * h), 1, 2)
-
-    K = (4 * slope(STEP / 2) - slope(STEP)) / 3
-    return (K + np.swapaxes(K, 1, 2)) / 2
 
 
 def equilibria(design: Design) -> tuple[Equilibrium, ...]:
@@ -58,22 +46,14 @@ def equilibria(design: Design) -> tuple[Equilibrium, ...]:
     """
     sweep = design.sweep
     weighed = sweep.poses[sweep.weight > 0]
-    x = weighed[np.linspace(0, len(weighed) - 1, min(STARTS, len(weighed))).astype(int)]
-    x = np.vstack([x, weighed.mean(axis=0), np.average(weighed, axis=0, weights=sweep.weight[sweep.weight > 0])])
     size = np.ptp(sweep.poses, axis=0)
     free = size > 0
-    scale = max(float(np.abs(_hold(design, x)).max()), 1e-12)
-    for _ in range(STEPS):
-        force = _hold(design, x)
-        K = stiffness(design, x)[:, free][:, :, free]
-        step = np.zeros_like(x)
-        step[:, free] = -np.linalg.solve(K + 1e-12 * scale * np.eye(free.sum()), force[:, free, None])[..., 0]
-        length = np.linalg.norm(step / np.where(free, size, 1.0), axis=1, keepdims=True)
-        x = x + step * np.minimum(1.0, 0.1 / np.maximum(length, 1e-300))
-        x = np.clip(x, sweep.poses.min(0) - 0.05 * size, sweep.poses.max(0) + 0.05 * size)
-        if length[sweep.holds(x), 0].max(initial=0.0) < SETTLED:
-            break
-    x = x[(np.abs(_hold(design, x)[:, free]).max(axis=1) < 1e-9 * scale) & sweep.holds(x)]
+    most = STARTS if free.sum() <= 2 else SPATIAL_STARTS
+    x = weighed[np.linspace(0, len(weighed) - 1, min(most, len(weighed))).astype(int)]
+    x = np.vstack([x, weighed.mean(axis=0), np.average(weighed, axis=0, weights=sweep.weight[sweep.weight > 0])])
+    scale = max(float(np.abs(hold(design, x)).max()), 1e-12)
+    x = _newton(design, x, size, scale)
+    x = x[(np.abs(hold(design, x)[:, free]).max(axis=1, initial=0.0) < 1e-9 * scale) & sweep.holds(x)]
     distinct: list[Array] = []
     for pose in x:
         if not any((np.abs(pose - other) <= SAME * np.where(free, size, 1.0)).all() for other in distinct):
@@ -83,14 +63,29 @@ def equilibria(design: Design) -> tuple[Equilibrium, ...]:
     return tuple(sorted(found, key=lambda e: (order.index(e.kind), *e.pose.values())))
 
 
-def _hold(design: Design, poses: Array) -> Array:
-    """Holding effort (N, nd), of the first payload."""
-    states = design.mechanism.states(design.sweep.at_poses(poses))
-    return design.residual(states)[: len(poses)]
+def _newton(design: Design, x: Array, size: Array, scale: float) -> Array:
+    """Damped Newton steps on the holding effort from many poses; those that stay outside the region are left behind."""
+    sweep, free = design.sweep, size > 0
+    low, high = sweep.poses.min(0) - 0.05 * size, sweep.poses.max(0) + 0.05 * size
+    active, stuck = np.ones(len(x), dtype=bool), np.zeros(len(x), dtype=int)
+    for _ in range(STEPS):
+        here = x[active]
+        K = slopes(lambda poses: hold(design, poses), here)[:, free][:, :, free]
+        step = np.zeros_like(here)
+        force = hold(design, here)[:, free, None]
+        step[:, free] = -np.linalg.solve(K + 1e-12 * scale * np.eye(free.sum()), force)[..., 0]
+        length = np.linalg.norm(step / np.where(free, size, 1.0), axis=1, keepdims=True)
+        x[active] = np.clip(here + step * np.minimum(1.0, 0.1 / np.maximum(length, 1e-300)), low, high)
+        stuck[active] = np.where(sweep.holds(x[active]), 0, stuck[active] + 1)
+        active[np.flatnonzero(active)[length[:, 0] < SETTLED]] = False
+        active &= stuck < STUCK
+        if not active.any():
+            break
+    return x
 
 
 def _kind(design: Design, pose: Array, free: Array) -> Equilibrium:
-    eigenvalues = np.linalg.eigvalsh(stiffness(design, pose[None])[0][free][:, free])
+    eigenvalues = principal(design.mechanism, stiffness(design, pose[None]), free)[0]
     level = LEVEL * max(float(np.abs(eigenvalues).max()), 1e-12)
     low, high = eigenvalues[0], eigenvalues[-1]
     if np.abs(eigenvalues).min() < level:

@@ -16,7 +16,8 @@ from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.limits.curve import OverInterval
 from equipoise.limits.limit import Setting
-from equipoise.limits.sides import sides
+from equipoise.limits.sides import sides, straight
+from equipoise.sag import Sag
 from equipoise.solve.program import Rows
 
 START = 129
@@ -33,14 +34,17 @@ class Tension(OverInterval):
 
     The spring f sits behind the cable's reel on a path l(c). It starts from Chebyshev lengths; the worst of 4001
     lengths, each polished by golden section, are added until none is outside. On a bare reel t is f: there `force`
-    certifies polynomials by the roots of their derivatives.
+    certifies polynomials by the roots of their derivatives. A `Sag` as min asks for what keeps the cable straight.
     """
 
     spring: str
     over: tuple[units.Length, units.Length]
     max: units.Force | None = None
-    min: units.Force | None = None
+    min: units.Force | Sag | None = None
     samples: int | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "min", straight(self.min, self.over))
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """Rows at Chebyshev lengths, or at as many equally spaced ones as are asked for."""

@@ -10,6 +10,7 @@ from equipoise import units
 from equipoise.affine import Array, Unknown
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
+from equipoise.sag import Sag
 from equipoise.solve.program import Rows
 
 
@@ -35,6 +36,15 @@ def sides(
         scale = abs(low) if low else scale_of(known)
         rows.append(Rows(f"{what} >= {units.text(low, unit)}", unit, -basis, known - low, unknowns, state, scale=scale))
     return tuple(rows)
+
+
+def straight(least: Any, over: Any) -> Any:
+    """A least force as a number: a `Sag` is turned into the force that keeps a cable that straight."""
+    if not isinstance(least, Sag):
+        return least
+    if over is None and least.span is None:
+        raise InputError("a sag needs a span", where="limits", hint="add `span`, or `over: [shortest, longest]`")
+    return least.tension(0.0 if over is None else float(over[1]))
 
 
 def path_unit(unit: str, spring: Spring) -> str:

@@ -17,8 +17,9 @@ from equipoise.errors import InputError
 from equipoise.limits import curve
 from equipoise.limits.limit import Setting
 from equipoise.limits.realisable import room
-from equipoise.limits.sides import path_unit, scale_of, sides
+from equipoise.limits.sides import path_unit, scale_of, sides, straight
 from equipoise.parts.part import Part
+from equipoise.sag import Sag
 from equipoise.solve.program import Rows
 
 
@@ -27,15 +28,19 @@ class Force(curve.OverInterval):
     """min <= f <= max of a spring's force, N, or torque, N m, at every state, or over an interval of length.
 
     f > 0 pulls. With over (low, high), m or rad, it holds for every length in between, see `limits.curve`; samples
-    asks for that many equally spaced lengths only, and nothing between them.
+    asks for that many equally spaced lengths only, and nothing between them. A `Sag` as min asks for the force that
+    keeps a cable straight: over its longest length, unless it says its span.
     """
 
     spring: str
     max: units.Pull | None = None
-    min: units.Pull | None = None
+    min: units.Pull | Sag | None = None
     over: tuple[units.Extent, units.Extent] | None = None
     samples: int | None = None
     orders: ClassVar[tuple[int, ...]] = (0,)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "min", straight(self.min, self.over))
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """B theta <= max - f0 and -B theta <= f0 - min, one row per state."""

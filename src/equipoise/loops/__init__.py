@@ -1,5 +1,6 @@
 """Closed loops: dependent joints and transmission of many poses at once."""
 
+from equipoise.loops.choices import assemblies, on_branch
 from equipoise.loops.close import close_loops, loop_report, reachable, tighten_loops
 from equipoise.loops.multipliers import LoopJacobian, constraint_jacobian
 from equipoise.loops.posture import ancestors
@@ -10,10 +11,12 @@ __all__ = [
     "LoopJacobian",
     "accelerations",
     "ancestors",
+    "assemblies",
     "close_loops",
     "close_motion",
     "constraint_jacobian",
     "loop_report",
+    "on_branch",
     "reachable",
     "tighten_loops",
 ]

@@ -42,6 +42,20 @@ def reference_branch(mechanism: Mechanism) -> Branch | None:
     Returns None without active equalities. Raises InputError for driven joints that contradict each other or
     are too few, LoopError for a reference that does not close or is singular.
     """
+    parted = part_joints(mechanism)
+    if parted is None:
+        return None
+    loop, places = parted
+    driven = mechanism.model.jnt_dofadr[mechanism.driven_ids]
+    curved = np.isin(loop.driven, _curved_dofs(loop.equalities, driven))
+    return Branch(loop, _close_reference(mechanism, loop, Evaluator(mechanism.model)), places, curved)
+
+
+def part_joints(mechanism: Mechanism) -> tuple[Loop, NDArray[np.int_]] | None:
+    """The loops with their dependent and driven dofs, and which driven joint steers each of the latter.
+
+    Needs no regular reference. Returns None without active equalities; raises as `reference_branch` does.
+    """
     model = mechanism.model
     found = equalities(model)
     if not found:
@@ -65,9 +79,7 @@ def reference_branch(mechanism: Mechanism) -> Branch | None:
     tied = np.flatnonzero(active)
     dependent = np.setdiff1d(tied, driven)
     _check_mobility(mechanism, samples[:, :, active], tied, driven[places])
-    loop = Loop(model, found, rows, columns, dependent, driven[places], reach, mechanism.singularity)
-    curved = np.isin(loop.driven, _curved_dofs(found, driven))
-    return Branch(loop, _close_reference(mechanism, loop, evaluate), places, curved)
+    return Loop(model, found, rows, columns, dependent, driven[places], reach, mechanism.singularity), places
 
 
 def dof_names(model: mujoco.MjModel, dofs: NDArray[np.int_]) -> str:

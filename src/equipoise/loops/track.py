@@ -12,6 +12,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import LoopError
 from equipoise.loops.branch import Branch
+from equipoise.loops.choices import choice_hint
 from equipoise.loops.close import branch_of, checked, close_loops, evaluator_of, refined, transmission_of
 from equipoise.loops.constraints import Couple
 from equipoise.loops.messages import blocked_way
@@ -46,7 +47,10 @@ def close_motion(mechanism: Mechanism, motion: Motion, time: Array) -> tuple[Arr
     which the loops do not close or become singular.
     """
     driven = checked(mechanism, motion.at(time)[0])
-    branch = branch_of(mechanism)
+    try:
+        branch = branch_of(mechanism)
+    except LoopError as error:
+        raise _no_start(mechanism, motion, error) from None
     if branch is None:
         return close_loops(mechanism, driven)
     model, joints = mechanism.model, mechanism.driven_ids
@@ -85,7 +89,7 @@ def _knots(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, motion: Mo
     try:
         start, _ = close_loops(mechanism, driven[:1], start=_wound(mechanism, branch, driven[0]))
     except LoopError as error:
-        raise _at(error, time[0], "the motion cannot start") from None
+        raise _no_start(mechanism, motion, error) from None
     closed = loop.linearise(evaluate, start)
     found = closed
     for k in range(1, len(marks)):
@@ -135,6 +139,15 @@ def _reached(
         time = since[row] + done.wall[row] * (until[row] - since[row])
         raise _at(blocked_way(mechanism, branch, evaluate, blocked, wanted[row]), time, "the motion stops")
     return done.closed
+
+
+def _no_start(mechanism: Mechanism, motion: Motion, error: LoopError) -> LoopError:
+    """The error of a motion whose first posture is singular or not on the reference's branch, with the choices."""
+    choices = choice_hint(mechanism, motion)
+    found = _at(error, motion.start, "the motion cannot start")
+    if choices:
+        found.hint = f"name the assembly it starts in: {choices}; or begin elsewhere, or change its drivers"
+    return found
 
 
 def _at(error: LoopError, time: float, what: str) -> LoopError:

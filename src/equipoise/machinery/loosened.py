@@ -73,7 +73,7 @@ def loosen(states: States) -> States:
         bodies[body] = (linear, angular)
     joints = np.eye(model.nv, width)[None]
     driven = np.zeros((count, width))
-    return replace(states, mechanism=loose, driven=driven, D=joints, _bodies=bodies, _placements={})
+    return replace(states, mechanism=loose, driven=driven, D=joints, _bodies=bodies, _placements={}, _points={})
 
 
 def is_bearing(model: mujoco.MjModel, body: int) -> bool:

@@ -26,7 +26,8 @@ from equipoise.models.parts import (
     positive,
     vector,
 )
-from equipoise.units import Inertia, Joint, Length, Mass
+from equipoise.sag import Sag
+from equipoise.units import Force, Inertia, Joint, Length, Mass
 
 BODY = "platform"
 TURNS = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0), "roll": (1.0, 0.0, 0.0)}
@@ -43,6 +44,8 @@ def cable_platform(
     inertia: tuple[Inertia, Inertia, Inertia] | None = None,
     length: Length | None = None,
     limits: Mapping[str, tuple[Joint, Joint]] | None = None,
+    t_min: Force | Sag | tuple[Force, ...] = 0.0,
+    t_max: Force | tuple[Force, ...] | None = None,
     gravity: Gravity = EARTH,
     name: str = "cable_platform",
 ) -> Mechanism:
@@ -57,10 +60,13 @@ def cable_platform(
     cables names them, default cable_1 ...; mass in kg at com (platform frame, m, default p), inertia about com
     along the platform's axes, kg m^2. length l in m makes forces and moments comparable: the resultant is
     (F, M / l), default l = the root mean square of |b_i|. limits {joint: (low, high)}; slides are limited to
-    the box of the anchors by default. The reference posture is the anchors' mean.
+    the box of the anchors by default. The reference posture is the anchors' mean. t_min and t_max, N, are the tensions
+    that the cables may have, one for all or one for each; `Sag` asks for the t_min that keeps a rope straight. They
+    decide what `analyze` calls feasible and what motors may do; a spring's own limits stand in the problem.
 
     Raises InputError for too few cables (n + 1 hold n degrees of freedom against any load, n can hold a weight),
-    for cables that coincide, anchors and attachments that do not match, and numbers that mean nothing.
+    for cables that coincide, anchors and attachments that do not match, t_min above t_max, and numbers that mean
+    nothing.
     """
     a = _points(anchors, "anchors", name)
     size = a.shape[1]
@@ -84,7 +90,8 @@ def cable_platform(
         _add_cable(spec, body, cable, _space(anchor), _space(end))
     reach = float(np.sqrt((ends**2).sum(1).mean()))
     metric = positive(length, "length", "m", name) if length is not None else reach or 1.0
-    platform = Platform(Point(BODY), _rows(size, b is not None), metric, names)
+    allowed = _tensions(t_min, t_max, a, name)
+    platform = Platform(Point(BODY), _rows(size, b is not None), metric, names, *allowed)
     reference = [*a.mean(0), *[0.0] * (len(joints) - size)]
     return replace(finish(spec, tuple(joints), reference, "centre"), platform=platform)
 
@@ -152,6 +159,22 @@ def _distinct(names: tuple[str, ...], a: Array, b: Array | None, where: str) -> 
                     where=where,
                     hint="remove one of the two, or move it",
                 )
+
+
+def _tensions(low: Any, high: Any, a: Array, where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Least and largest tension of every cable."""
+    if isinstance(low, Sag):
+        low = low.tension(float(np.linalg.norm(a[:, None] - a, axis=-1).max()))
+    found = []
+    for value, what in ((low, "t_min"), (np.inf if high is None else high, "t_max")):
+        each = tuple(value) if isinstance(value, Sequence) else (value,) * len(a)
+        if len(each) != len(a):
+            raise InputError(f"{len(each)} values of {what} for {len(a)} cables", where=where, hint="one, or one each")
+        found.append(tuple(float(one) if np.isinf(one) else not_negative(one, what, "N", where) for one in each))
+    for least, most in zip(*found, strict=True):
+        if not least < most:
+            raise InputError(f"t_min is {least:g} N, t_max {most:g} N: no tension is left", where=where)
+    return found[0], found[1]
 
 
 def _ranges(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
@@ -64,8 +65,9 @@ def caspr(
     """The cable platform that a pair of CASPR files describes: one moving link and cables of two points each.
 
     bodies and cables are the XML files (SI units); cable_set names a set (default: the file's own default);
-    limits and length are those of `cable_platform`. CASPR's plane XY, XZ or YZ becomes (x, z) here, and its
-    rotations a yaw, pitch and roll. The reference point is the joint's frame; gravity acts along CASPR's -Z.
+    limits and length are those of `cable_platform`; t_min and t_max are the file's force_min and force_max.
+    CASPR's plane XY, XZ or YZ becomes (x, z) here, and its rotations a yaw, pitch and roll. The reference point is
+    the joint's frame; gravity acts along CASPR's -Z.
 
     Raises ModelError for malformed XML, missing elements, several links, cables with more than two points,
     and joint types that are no platform, naming file and element; InputError for cables that cannot hold it.
@@ -74,7 +76,7 @@ def caspr(
     space = _space(link, str(bodies))
     mass, com = _weight(link, str(bodies))
     base = np.array(numbers(link.findtext("parent/location"), ZERO, "location", f"{bodies}, parent"))
-    names, anchors, ends, forces = _cables(
+    names, anchors, ends, tensions = _cables(
         read_xml(Path(cables), str(cables), drop=_DECLARED), cable_set, str(cables), com
     )
     axes = list(space.axes)
@@ -92,10 +94,12 @@ def caspr(
         inertia=(xx, yy, zz) if min(xx, yy, zz) > 0 else None,
         length=length,
         limits=limits,
+        t_min=tuple(low for low, _ in tensions),
+        t_max=tuple(high for _, high in tensions),
         gravity=space.gravity,
         name=name or str(link.get("name") or Path(bodies).stem).replace(" ", "_"),
     )
-    return replace(made, source=Path(bodies), remarks=(forces,) if forces else ())
+    return replace(made, source=Path(bodies))
 
 
 def _link(root: ET.Element, where: str) -> ET.Element:
@@ -125,12 +129,14 @@ def _weight(link: ET.Element, where: str) -> tuple[float, Array]:
     return mass, np.array(numbers(link.findtext("physical/com_location"), ZERO, "com_location", where))
 
 
-def _cables(root: ET.Element, wanted: str | None, where: str, com: Array) -> tuple[tuple[str, ...], Array, Array, str]:
+def _cables(
+    root: ET.Element, wanted: str | None, where: str, com: Array
+) -> tuple[tuple[str, ...], Array, Array, list[tuple[float, float]]]:
     sets = {str(found.get("id")): found for found in root.iter("cable_set")}
     key = wanted or root.get("default_cable_set") or next(iter(sets), "")
     if key not in sets:
         raise ModelError(f"there is no cable set {key!r}", where=where, hint=nearest(key, list(sets)))
-    names, anchors, ends, forces = [], [], [], []
+    names, anchors, ends, tensions = [], [], [], []
     for cable in sets[key]:
         if not cable.tag.startswith("cable"):
             continue
@@ -153,9 +159,11 @@ def _cables(root: ET.Element, wanted: str | None, where: str, com: Array) -> tup
         names.append(name)
         anchors.append(where_to[0])
         ends.append(where_to[1] + (com if reference == "com" else 0.0))
-        forces.append([cable.findtext(f"properties/force_{side}") for side in ("min", "max")])
+        low, high = (
+            number(cable.findtext(f"properties/force_{side}"), default, f"force_{side}", place)
+            for side, default in (("min", 0.0), ("max", math.inf))
+        )
+        tensions.append((low, high))
     if not names:
         raise ModelError(f"cable set {key!r} has no cables", where=where)
-    said = {tuple(pair) for pair in forces if all(pair)}
-    words = "; ".join(f"{low} to {high} N" for low, high in sorted(said)) if said else ""
-    return tuple(names), np.array(anchors), np.array(ends), f"tensions that the file allows: {words}" if words else ""
+    return tuple(names), np.array(anchors), np.array(ends), tensions

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
@@ -14,6 +14,8 @@ from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, compile_spec
 from equipoise.units import Acceleration, Length
 
+Elbow = Literal["left", "right"]
+SIDES = ("left", "right")
 Gravity = tuple[Acceleration, Acceleration, Acceleration]
 Planar = tuple[Length, Length]
 EARTH = (0.0, 0.0, -9.81)
@@ -175,6 +177,28 @@ def finish(spec: mujoco.MjSpec, driven: Sequence[str], reference: Sequence[float
     model = compile_spec(spec, spec.modelname)
     posture = np.array(reference if len(reference) else model.qpos0, dtype=float)
     return Mechanism(spec, model, tuple(driven), posture, spec.modelname)
+
+
+def two_links(
+    foot: Sequence[float], tip: Sequence[float], lengths: tuple[float, float], elbow: str, what: str, where: str
+) -> tuple[float, float]:
+    """Angle of the first of two links and relative angle of the second, from +x, for a given foot and tip in a plane.
+
+    The elbow lies to the left or to the right of the way from foot to tip.
+    """
+    across, up = tip[0] - foot[0], tip[1] - foot[1]
+    reach, (first, second) = math.hypot(across, up), lengths
+    if not abs(first - second) < reach < first + second:
+        raise InputError(
+            f"{what} does not reach its pin: the distance is {reach:g} m, "
+            f"its two links span {abs(first - second):g} to {first + second:g} m",
+            where=where,
+            hint="choose another `pose`, or other lengths",
+        )
+    inner = math.acos((reach**2 + first**2 - second**2) / (2 * reach * first))
+    angle = math.atan2(up, across) + (inner if elbow == "left" else -inner)
+    beyond = math.atan2(tip[1] - foot[1] - first * math.sin(angle), tip[0] - foot[0] - first * math.cos(angle))
+    return angle, beyond - angle
 
 
 def degrees(angle: float) -> str:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.models.parts import (
     EARTH,
+    SIDES,
+    Elbow,
     Gravity,
     Inertial,
     Planar,
@@ -24,6 +24,7 @@ from equipoise.models.parts import (
     number,
     positive,
     rod_inertial,
+    two_links,
     vector,
     word,
 )
@@ -31,7 +32,6 @@ from equipoise.states import States
 from equipoise.units import Angle, Inertia, Length, Mass, Torque
 
 Three = tuple[Length, Length, Length]
-Elbow = Literal["left", "right"]
 
 
 def rrr3(
@@ -86,7 +86,8 @@ def rrr3(
             x + math.cos(phi) * pins[i][0] - math.sin(phi) * pins[i][1],
             z + math.sin(phi) * pins[i][0] + math.cos(phi) * pins[i][1],
         )
-        posture += _leg(feet[i], turn, (first, second), word(elbows[i], ("left", "right"), "elbows", name), label, name)
+        side = word(elbows[i], SIDES, "elbows", name)
+        posture += two_links(feet[i], turn, (first, second), side, f"leg {label}", name)
         masses = (
             rod_inertial(crank_masses[i], first, crank_coms[i], crank_inertias[i], f"{name}.crank_{label}"),
             rod_inertial(rod_masses[i], second, rod_coms[i], rod_inertias[i], f"{name}.rod_{label}"),
@@ -105,25 +106,6 @@ def rrr3(
     for i, tip in enumerate(tips):
         add_pin(spec, f"pin_{i + 1}", tip, (plate, (pins[i][0], 0.0, pins[i][1])))
     return finish(spec, driven, [*posture, x, z, phi], "-".join(elbows))
-
-
-def _leg(
-    foot: tuple[float, ...], tip: tuple[float, float], lengths: tuple[float, float], elbow: str, label: int, where: str
-) -> tuple[float, float]:
-    """Crank angle and relative rod angle of a leg whose tip is given."""
-    across, up = tip[0] - foot[0], tip[1] - foot[1]
-    reach, (first, second) = math.hypot(across, up), lengths
-    if not abs(first - second) < reach < first + second:
-        raise InputError(
-            f"leg {label} does not reach its pin: the distance is {reach:g} m, "
-            f"crank and rod span {abs(first - second):g} to {first + second:g} m",
-            where=where,
-            hint="choose another `pose`, or other lengths",
-        )
-    inner = math.acos((reach**2 + first**2 - second**2) / (2 * reach * first))
-    angle = math.atan2(up, across) + (inner if elbow == "left" else -inner)
-    rod = math.atan2(tip[1] - foot[1] - first * math.sin(angle), tip[0] - foot[0] - first * math.cos(angle))
-    return angle, rod - angle
 
 
 def platform_measure(states: States) -> Array:

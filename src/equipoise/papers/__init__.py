@@ -7,7 +7,13 @@ import importlib
 from equipoise.errors import InputError, nearest
 from equipoise.papers.paper import Paper
 
-SLUGS: tuple[str, ...] = ("arakelian-ghazaryan-2008", "quaglia-yin-2015", "zhang-arakelian-2023", "perreault-cardou")
+SLUGS: tuple[str, ...] = (
+    "arakelian-ghazaryan-2008",
+    "quaglia-yin-2015",
+    "arakelian-smith-2008",
+    "zhang-arakelian-2023",
+    "perreault-cardou",
+)
 """Papers in the order in which they are shown; the module and the key in references.bib have underscores."""
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from equipoise.completion import Completion, Share
 from equipoise.reporting.numbers import plain, quantity, sig
 from equipoise.verbs.conditions import Conditions
+from equipoise.verbs.side_by_side import SideBySide
 
 GOALS = {"force": "force", "moment": "moment", "both": "force and moment"}
 
@@ -60,3 +61,16 @@ def _share(share: Share) -> str:
     if share.first:
         words.append(f"{plain(share.first)} m^2 x the mass of {share.body}")
     return "\n    + ".join(words)
+
+
+def columns_text(found: SideBySide) -> str:
+    """A table with a line per quantity; what is rounding beside the bare mechanism reads 0."""
+    width = max(len(f"{one.what} [{one.unit}]") for one in found.lines) + 2
+    columns = [max(12, len(name) + 2) for name in found.columns]
+    lines = [" " * width + "".join(f"{name:>{w}}" for name, w in zip(found.columns, columns, strict=True))]
+    for one in found.lines:
+        floor = 1e-9 * abs(one.values[0] or 0.0)
+        cells = ["-" if v is None else plain(v if abs(v) > floor else 0.0) for v in one.values]
+        label = f"{one.what} [{one.unit}]" if one.unit else one.what
+        lines.append(f"{label:<{width}}" + "".join(f"{c:>{w}}" for c, w in zip(cells, columns, strict=True)))
+    return "\n".join(lines)

@@ -12,7 +12,7 @@ from equipoise.affine import Array
 from equipoise.balancers.spring import Spring
 from equipoise.reporting import style
 from equipoise.reporting.glyphs import draw
-from equipoise.reporting.numbers import plain, sig
+from equipoise.reporting.numbers import UNSEEN, plain, sig
 from equipoise.reporting.sample import Sample
 from equipoise.reporting.scene import Scene, scene
 from equipoise.reporting.view import View, is_planar, side
@@ -73,10 +73,12 @@ def posed(sample: Sample) -> list[Posed]:
     """The pose that loads the main joint most without the parts, and one well away from it."""
     design = sample.design
     pose, scenario = sample.worst(sample.before, sample.main)
-    chosen = [(sample.calm(design.sweep.poses[pose]), "Heaviest pose")]
     other, title = _apart(sample, pose, scenario)
-    if other is not None:
-        chosen.append((sample.calm(design.sweep.poses[other]), title))
+    if design.cables is not None:
+        chosen, other, pose = _of_platform(sample), None, 0
+    else:
+        chosen = [(sample.calm(design.sweep.poses[pose]), "Heaviest pose")]
+        chosen += [] if other is None else [(sample.calm(design.sweep.poses[other]), title)]
     answer = sample.at(np.array([pose for pose, _ in chosen]))
     if answer is None:
         # Loops may not close with the idle joints at rest; the sampled poses themselves do.
@@ -91,6 +93,17 @@ def posed(sample: Sample) -> list[Posed]:
         caption = _caption(sample, states.driven[row], before[scenario, index], after[scenario, index])
         found.append(Posed(scene(design, states, row), view, title, caption, is_planar(states, view)))
     return found
+
+
+def _of_platform(sample: Sample) -> list[tuple[Array, str]]:
+    """The middle of the sweep, and its pose farthest from there in the slides."""
+    design = sample.design
+    assert design.cables is not None
+    middle = np.array(list(design.cables.middle.values()))
+    slides = [joint for joint in range(len(middle)) if sample.is_slide(joint)]
+    poses = design.sweep.poses[design.sweep.weight > 0]
+    far = poses[np.linalg.norm(poses[:, slides] - middle[slides], axis=1).argmax()]
+    return [(middle, "Middle of the sweep"), (far, "Near its edge")]
 
 
 def _apart(sample: Sample, pose: int, scenario: int) -> tuple[int | None, str]:
@@ -121,10 +134,11 @@ def _caption(sample: Sample, driven: Array, before: Array, after: Array) -> str:
     for joint in sample.matter[:LISTED]:
         name = sample.design.mechanism.driven[joint]
         unit = sample.design.before[name].unit
-        position = float(sample.position(joint, driven[joint]))
+        position = round(float(sample.position(joint, driven[joint])), 3) + 0.0
         where = f"{position:.0f} mm" if sample.is_slide(joint) else f"{position:.1f}°"
-        floor = 1e-9 * sample.design.before[name].peak
-        was, left = (sig(0.0 if abs(v) <= floor else float(v), 3) for v in (before[joint], after[joint]))
+        rows = sample.design.before[name], sample.design.after[name]
+        floor = max(UNSEEN, 1e-9 * max(row.peak for row in rows))
+        was, left = (sig(0.0 if abs(v) <= floor else float(v) + 0.0, 3) for v in (before[joint], after[joint]))
         lines.append(f"{name} at {where}: {was} → {left} {unit}".replace("-", "\u2212"))
     return "\n".join(lines)
 
@@ -134,7 +148,9 @@ def _frame(pose: Posed, corner: bool) -> tuple[Array, Array]:
     points = (pose.view.corner() if corner else pose.view).flat(pose.scene.points)
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.1 * float((high - low).max()) + 1e-3
-    return low - margin * np.array([1.0, 1.4]), high + margin
+    # Names of wound springs stand below them.
+    below = 2.6 if any(sketch.spirals for _, sketch in pose.scene.paths) else 1.4
+    return low - margin * np.array([1.0, below]), high + margin
 
 
 def _fit(ax: Axes, frame: tuple[Array, Array], size: tuple[float, float]) -> None:

@@ -10,10 +10,13 @@ from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
-from equipoise.reporting import machinery, phrases, sections, tables
+from equipoise.make.synthesis import Part
+from equipoise.reporting import cable_sections, machinery, phrases, sections, tables
 from equipoise.reporting.markup import Raw, element, image, join, section
 from equipoise.reporting.payload import adjustments
-from equipoise.reporting.plots import Picture, pictures
+from equipoise.reporting.plots import Picture, part_picture, pictures
+from equipoise.reporting.settings import settings_table
+from equipoise.reporting.tolerance import tolerance_section
 
 
 def page(design: Design, model: str) -> str:
@@ -26,11 +29,14 @@ def page(design: Design, model: str) -> str:
             *[_picture(one) for one in drawn[:1]],
             tables.before_after(design),
             *[_picture(one) for one in drawn[1:]],
+            cable_sections.platform(design),
+            *[_made(part) for part in design.made],
             *([machinery.motors(design.machine)] if design.machine else []),
             tables.parts(design),
-            adjustments(design),
+            settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),
+            tolerance_section(design),
             sections.basis(design),
             sections.honest_limits(),
             sections.files(design, model),
@@ -72,6 +78,11 @@ def _header(design: Design) -> Raw:
         element("p", phrases.result(design), class_="result"),
         element("p", phrases.headline(design), class_="sub-line"),
     )
+
+
+def _made(part: Part) -> Raw:
+    drawn = part_picture(part)
+    return section(drawn.title, image(drawn.address, drawn.alternative, drawn.caption), cable_sections.made(part))
 
 
 def _picture(picture: Picture) -> Raw:

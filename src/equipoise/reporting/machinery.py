@@ -131,7 +131,7 @@ def _work(supplies: Sequence[Supply | None]) -> list[str]:
 
 def _clear(value: float, scale: float) -> float:
     """Rounding beside what flows to and fro reads as nothing."""
-    return 0.0 if abs(value) < 1e-6 * scale else value
+    return 0.0 if abs(value) < 1e-5 * scale else value
 
 
 def _change(values: Sequence[float]) -> str:

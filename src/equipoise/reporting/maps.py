@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,7 +41,7 @@ def residual_map(sample: Sample) -> Figure | None:
     for index, (ax, word) in enumerate(zip(axes, ("before", "after"), strict=True)):
         pose, values = found[index]
         assert values is not None
-        _filled(ax, x, y, values[index], top)
+        draw_field(ax, x, y, values[index], top)
         worst = sample.design.sweep.poses[pose][list(pair)]
         ax.plot(*(sample.position(j, v) for j, v in zip(pair, worst, strict=True)), "X", ms=10, mfc=style.BEFORE,
                 mec="white", mew=1.3, clip_on=False, zorder=5)  # fmt: skip
@@ -102,13 +102,18 @@ def _grid(sample: Sample, pair: tuple[int, int], pose: Array, columns: list[int]
     return before, after
 
 
-def _filled(ax: Axes, x: Array, y: Array, values: Array, top: float) -> None:
+def draw_field(ax: Axes, x: Array, y: Array, values: Array, top: float) -> Any:
+    """Filled levels of values (ny, nx) from 0 to `top` and beyond, nan left out; what a colour bar is made of."""
     from matplotlib.colors import BoundaryNorm
 
     levels, colours = _levels(top), style.ramp()
-    ax.contourf(x, y, values, levels, cmap=colours, norm=BoundaryNorm(levels, colours.N))
-    ax.contour(x, y, values, levels[1:-1], colors="white", linewidths=0.5, alpha=0.7)
+    shown = np.ma.masked_invalid(values)
+    beyond = "max" if np.nanmax(values) > levels[-1] else "neither"
+    norm = BoundaryNorm(levels, colours.N, extend=beyond)
+    drawn = ax.contourf(x, y, shown, levels, cmap=colours, norm=norm, extend=beyond)
+    ax.contour(x, y, shown, levels[1:-1], colors="white", linewidths=0.5, alpha=0.7)
     ax.grid(visible=False)
+    return drawn
 
 
 def _levels(top: float) -> Array:

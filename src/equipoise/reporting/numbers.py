@@ -19,6 +19,7 @@ FREEZING = 273.15
 SMALL = 1e-4
 LARGE = 1e7
 UNLOADED = 1e-6
+UNSEEN = 1e-11
 MINOR = 1e-2
 
 
@@ -33,6 +34,11 @@ def sig(value: float, digits: int = 4) -> str:
         mantissa, exponent = f"{value:.{min(digits, 2) - 1}e}".split("e")
         return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
     return f"{value:.{max(0, digits - 1 - math.floor(math.log10(abs(rounded))))}f}"
+
+
+def seen(value: float) -> float:
+    """An effort, N or N m, without the trace that a body without mass leaves."""
+    return value if abs(value) > UNSEEN else 0.0
 
 
 def plain(value: float, digits: int = 4) -> str:

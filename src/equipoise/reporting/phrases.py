@@ -10,7 +10,8 @@ from typing import Any
 from equipoise.balancers.laws.law import FORCE
 from equipoise.design import Active, Design
 from equipoise.parameters import tag
-from equipoise.reporting.numbers import SHOWN, percent, place, plain, quantity, shown, sig, sort_out, span
+from equipoise.reporting.numbers import SHOWN, percent, place, plain, quantity, seen, shown, sig, sort_out, span
+from equipoise.reporting.rehearsal import motion_words
 from equipoise.units import along_path
 
 STEPS = {
@@ -72,7 +73,8 @@ def result(design: Design) -> str:
     was, left = getattr(before, norm), getattr(after, norm)
     what = {"peak": "The peak", "rms": "The rms", "mean": "The mean"}[norm]
     if joint not in design.mechanism.driven:
-        return f"{what} of the {joint} is {sig(left)} {after.unit}; without the added parts it is {sig(was)}."
+        bare = f"it is {sig(was)}" if seen(was) else "nothing pulls"
+        return f"{what} of the {joint} is {sig(left)} {after.unit}; without the added parts {bare}."
     word = "holding torque" if before.unit == "N m" else "holding force"
     start = f"{what} {word} at {joint}"
     if left <= 1e-9 * was:
@@ -283,7 +285,11 @@ def objective_words(design: Design) -> str:
     """`the peak over all driven joints`, with weights, caps and divisors where there are any."""
     words = []
     for aim in design.objective:
-        what = f"the {aim.norm} over {', '.join(aim.joints) if aim.joints else 'all driven joints'}"
+        if aim.goal in ("hold", "drive"):
+            what = f"the {aim.norm} over {', '.join(aim.joints) if aim.joints else 'all driven joints'}"
+        else:
+            what = "the added mass" if aim.goal == "mass" else f"the {aim.norm} of the {aim.goal}"
+            what = what.replace("wrench", "resultant on the platform")
         what += ", each as a share of its motor limit" if aim.divisor else ""
         number, unit = shown(aim.cap or 0.0, aim.unit(design.mechanism))
         weight = "" if aim.weight == 1 else f"{plain(aim.weight)} x "
@@ -350,7 +356,8 @@ def verified_words(design: Design) -> str:
     verdict = f"agrees to {error} {found.unit}" if found.agrees else f"DISAGREES by {error} {found.unit}"
     poses = f"{found.poses:,}".replace(",", " ")
     words = f"{found.engine}, {poses} unseen poses, saved file reloaded: {verdict}"
-    return "; ".join([words, *filter(None, [between_words(design, main_joint(design))])])
+    moved = motion_words(found.motion) if found.motion else []
+    return "; ".join([words, *filter(None, [between_words(design, main_joint(design))]), *moved])
 
 
 def between_words(design: Design, joint: str) -> str:

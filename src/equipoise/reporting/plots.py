@@ -7,16 +7,23 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from equipoise.design import Design
+from equipoise.make.synthesis import Part
 from equipoise.reporting import style
+from equipoise.reporting.cam_plots import cam_drawing
 from equipoise.reporting.curves import curves
 from equipoise.reporting.cycle import cycle
 from equipoise.reporting.drawing import drawing
 from equipoise.reporting.ledger import ledger
 from equipoise.reporting.maps import draw_map, residual_map
+from equipoise.reporting.platform_plots import motor_tensions, resultant_map, tension_curves
 from equipoise.reporting.sample import Sample
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+Wanted = tuple[str, "Callable[[Sample], Figure | None]", str, str]
+"""Title, how it is drawn, what it shows in words, caption."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +40,7 @@ def pictures(design: Design) -> list[Picture]:
     """Every picture that this design has something to show in."""
     sample = Sample(design)
     name = design.mechanism.name
-    wanted: list[tuple[str, Callable[[Sample], Figure | None], str, str]] = [
+    wanted: list[Wanted] = [
         (
             "The mechanism with its parts",
             drawing,
@@ -71,6 +78,8 @@ def pictures(design: Design) -> list[Picture]:
             "The wrench of the base on the mechanism, weight left out, and what the motors supply. Right: the path of "
             "the force's tip.",
         )]  # fmt: skip
+    elif design.cables is not None:
+        wanted = [wanted[0], *_of_cables(name)]
     made = []
     for title, draw, alternative, caption in wanted:
         with style.styled():
@@ -80,4 +89,42 @@ def pictures(design: Design) -> list[Picture]:
     return made
 
 
-__all__ = ["Picture", "curves", "draw_map", "drawing", "ledger", "pictures", "residual_map"]
+def _of_cables(name: str) -> list[Wanted]:
+    return [
+        (
+            "Resultant over the workspace",
+            resultant_map,
+            f"resultant on the platform of {name} over two coordinates, with its equilibria",
+            "Left: what cables and weight pull on the platform, the other coordinates in the middle of the sweep; with "
+            "several payloads the largest. Marks: where it rests with the motors off. Right: over the whole sweep.",
+        ),
+        (
+            "Tension over cable length",
+            tension_curves,
+            f"tension of each spring of {name} over the length of its cable",
+            "Shaded: the lengths of the sweep; dashed lines: limits. The tension is the cable's own, whatever "
+            "sits between reel and spring.",
+        ),
+        (
+            "What the motors still do",
+            motor_tensions,
+            f"motor tensions of {name} along the trajectory without and with springs",
+            "Tensions that hold the platform along the trajectory, less what the springs pull; energy is the sum of "
+            "|tension x change of length|, nothing recovered.",
+        ),
+    ]
+
+
+def part_picture(part: Part) -> Picture:
+    """A cam or drum drawn, and the force that it makes."""
+    with style.styled():
+        figure = cam_drawing(part)
+    return Picture(
+        f"Part to make: {part.name}",
+        style.picture(figure),
+        f"profile of {part.name} and the force that it makes",
+        "The profile in its own frame at angle 0, with the cord at the start, the middle and the end of the travel.",
+    )
+
+
+__all__ = ["Picture", "curves", "draw_map", "drawing", "ledger", "part_picture", "pictures", "residual_map"]

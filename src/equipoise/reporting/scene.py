@@ -15,6 +15,7 @@ from equipoise.design import Design
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
 
+FLAT = 1e-6
 BARS = (int(mujoco.mjtGeom.mjGEOM_CAPSULE), int(mujoco.mjtGeom.mjGEOM_CYLINDER))
 
 
@@ -94,7 +95,9 @@ def scene(design: Design, states: States, row: int) -> Scene:
 
 
 def _feet(mechanism: Mechanism, xpos: Array, base: list[tuple[Array, Array]]) -> list[Array]:
-    """Where the base's own bars begin, else the first moving bodies."""
+    """Where the base's own bars begin, else the first moving bodies; a platform on cables stands nowhere."""
+    if mechanism.platform is not None and mechanism.platform.cables:
+        return []
     if base:
         return [base[0][0]]
     model = mechanism.model
@@ -122,7 +125,36 @@ def skeleton(mechanism: Mechanism) -> dict[int, list[tuple[int, Array, int, Arra
         for body, place in (site_a, site_b):
             if np.linalg.norm(place) > 1e-6:
                 groups.setdefault(int(model.body_weldid[body]), []).append((body, origin, body, place))
+    if mechanism.platform is not None and mechanism.platform.cables:
+        ends = list(dict.fromkeys(mechanism.cable(cable)[1] for cable in mechanism.platform.cables))
+        body = mechanism.body_id(mechanism.platform.point.body)
+        places = np.array([point.at for point in ends], dtype=float)
+        bars = [(body, places[a], body, places[b]) for a, b in outline(places)]
+        groups.setdefault(int(model.body_weldid[body]), []).extend(bars)
     return groups
+
+
+def outline(places: Array) -> list[tuple[int, int]]:
+    """Edges of the convex body that points (P, 3) span: a polygon where they lie in a plane."""
+    if len(places) < 3:
+        return [(0, 1)] if len(places) == 2 else []
+    away = places - places.mean(axis=0)
+    _, spread, axes = np.linalg.svd(away, full_matrices=False)
+    if spread[-1] <= FLAT * spread[0]:
+        flat = away @ axes[:2].T
+        order = np.argsort(np.arctan2(flat[:, 1], flat[:, 0]))
+        return list(zip(order.tolist(), np.roll(order, -1).tolist(), strict=True))
+    from scipy.spatial import ConvexHull
+
+    hull = ConvexHull(places)
+    edges = []
+    for facet, (corners, beside) in enumerate(zip(hull.simplices, hull.neighbors, strict=True)):
+        for opposite, other in enumerate(beside):
+            # Triangles of one face share their plane, and the edge between them is none.
+            if facet < other and np.abs(hull.equations[facet] - hull.equations[other]).max() > FLAT:
+                a, b = (int(corner) for index, corner in enumerate(corners) if index != opposite)
+                edges.append((a, b))
+    return edges
 
 
 def _has_children(model: mujoco.MjModel, body: int) -> bool:

@@ -9,7 +9,7 @@ from equipoise.design import Design
 from equipoise.reporting import phrases
 from equipoise.reporting.jsonfile import strict
 from equipoise.reporting.markup import Raw, element, join, listing, prose, section, table
-from equipoise.reporting.numbers import plain, shown, sig
+from equipoise.reporting.numbers import plain, seen, shown, sig
 from equipoise.reporting.references import reference
 from equipoise.reporting.tables import value_words
 
@@ -30,9 +30,15 @@ def tiles(design: Design) -> Raw:
     joint = phrases.main_joint(design)
     before, after = design.before[joint], design.after[joint]
     norm = design.norm
-    was, left = getattr(before, norm), getattr(after, norm)
+    was, left = seen(getattr(before, norm)), seen(getattr(after, norm))
     change = f"{sig(was, 3)} → {sig(left, 2 if left < 1e-9 * was else 3)} {after.unit}"
-    boxes = [(change, f"{norm} holding effort at {joint}", "")]
+    boxes = [
+        (
+            change,
+            f"{norm} of the {joint}" if joint not in design.mechanism.driven else f"{norm} holding effort at {joint}",
+            "",
+        )
+    ]
     c = design.certificate
     sure = "nothing left, also off the sweep" if c.kind == "exact" else f"gap {value_words(c.gap, c.unit, 2)}"
     boxes += [(c.kind, f"certificate: {sure}", ""), *_checked(design, joint)]

@@ -11,8 +11,9 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design, Row
 from equipoise.reporting import phrases
 from equipoise.reporting.markup import Raw, clean, element, join, listing, section, small, table
-from equipoise.reporting.numbers import percent, plain, quantity, shown, sig, sort_out, span
+from equipoise.reporting.numbers import percent, plain, quantity, seen, shown, sig, sort_out, span
 from equipoise.reporting.pathwords import path_words
+from equipoise.reporting.rehearsal import motion_table
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Bound
@@ -48,11 +49,11 @@ def before_after(design: Design) -> Raw:
 def _cells(row: Row, reference: float) -> list[Raw]:
     cells = []
     for norm in ("peak", "rms", "mean"):
-        value = getattr(row, norm)
-        share = percent(value / reference) if reference > 0 and value >= 1e-9 * reference else "0 %"
+        value = seen(getattr(row, norm))
+        share = percent(value / reference) if seen(reference) and value >= 1e-9 * reference else "" if value else "0 %"
         lines = [clean(sig(value)), small(share)]
         if norm == "peak":
-            lines.append(small(f"sampled {sig(row.sample_peak)}"))
+            lines.append(small(f"sampled {sig(seen(row.sample_peak))}"))
         cells.append(join(lines))
     return cells
 
@@ -64,7 +65,7 @@ def parts(design: Design) -> Raw:
         spring = isinstance(balancer, Spring)
         words = phrases.law_words(part, balancer) if spring else phrases.weight_words(part, design)
         ends = [[end["body"], *(_coordinate(value) for value in end["at"])] for end in part["ends"]]
-        where = table(["attached to link", "x [mm]", "y [mm]", "z [mm]"], ends, numbers=1)
+        where = table(["attached to link", "x [mm]", "y [mm]", "z [mm]"], ends, numbers=1) if ends else Raw("")
         led = [element("p", path_words(balancer.path))] if spring and not isinstance(balancer.path, Line) else []
         does = table(["over the sweep", ""], _facts(part), numbers=1) if spring else Raw("")
         blocks += [element("h3", f"{part['name']}: {words}"), *led, element("div", where, does, class_="pair")]
@@ -151,6 +152,7 @@ def verification(design: Design) -> Raw:
         table(["joint", "difference", "relative", "peak after", "upper bound", ""], rows, numbers=1),
         element("p", between, class_="note"),
         element("p", energy, class_="note"),
+        motion_table(found.motion) if found.motion else "",
         listing(found.notes) if found.notes else "",
     )
 

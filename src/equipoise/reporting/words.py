@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from equipoise.balancers.paths import Line
 from equipoise.design import Design, Row
-from equipoise.reporting import machinery, phrases
-from equipoise.reporting.numbers import percent, plain, sig, sort_out
+from equipoise.reporting import cablewords, machinery, phrases
+from equipoise.reporting.numbers import percent, plain, seen, sig, sort_out
 from equipoise.reporting.pathwords import path_words
+from equipoise.reporting.tolerance import tolerance_words
 
 if TYPE_CHECKING:
     from equipoise.verbs.analyze import Analysis
@@ -37,6 +38,11 @@ def summary(design: Design) -> str:
         lines += _labelled("missed", design.missed)
     lines += _labelled("certificate", phrases.certificate_words(design))
     lines += _labelled("verified", phrases.verified_words(design))
+    for label, text in tolerance_words(design):
+        lines += _labelled(label, text)
+    if design.cables is not None:
+        for label, text in cablewords.behaviour_lines(design):
+            lines += _labelled(label, text)
     for step in phrases.next_steps(design):
         lines += _labelled("next", step)
     return "\n".join(_blank_repeats(lines))
@@ -56,12 +62,18 @@ def analysis(analysis: Analysis) -> str:
     if loaded:
         head = [*NORMS, "motor limit", "used", ""]
         names = [f"{joint} [{analysis.rows[joint].unit}]" for joint in loaded]
-        body = [_analysis_cells(analysis.rows[joint], joint in analysis.worth) for joint in loaded]
+        worth = analysis.worth if analysis.cables is None else ()
+        body = [_analysis_cells(analysis.rows[joint], joint in worth) for joint in loaded]
         lines += _table(names, {0: "to hold the weight" if analysis.machine is None else "over the motion"}, head, body)
     if analysis.machine is not None:
         found = [analysis.machine]
         for label, words in (*machinery.motor_words(found), *machinery.bearing_words(found)):
             lines += _labelled(label, words)
+    if analysis.cables is not None:
+        for label, words in cablewords.survey_lines(analysis.cables):
+            lines += _labelled(label, words)
+        lines += _labelled("next", _advice(analysis))
+        return "\n".join(_blank_repeats(lines))
     for joint, reason in analysis.reasons.items():
         if reason:
             lines += _labelled("no spring", f"{joint}: {reason}")
@@ -71,11 +83,14 @@ def analysis(analysis: Analysis) -> str:
 
 def _analysis_cells(row: Row, worth: bool) -> list[str]:
     used = percent(row.peak / row.limit) if row.limit else ""
-    norms = [sig(getattr(row, norm)) for norm in NORMS]
+    norms = [sig(seen(getattr(row, norm))) for norm in NORMS]
     return [*norms, _motor(row), used, "worth a spring" if worth else ""]
 
 
 def _advice(analysis: Analysis) -> str:
+    if analysis.cables is not None:
+        cable = analysis.cables.states.mechanism.platform.cables[0]  # type: ignore[union-attr]
+        return f"springs on the reels, path `reel: [{cable}]`: write a problem file, then `equipoise design FILE`"
     if not analysis.worth:
         return "gravity asks little of these motors; a spring would not pay"
     model = analysis.mechanism.model
@@ -93,7 +108,7 @@ def _rows(design: Design) -> list[str]:
     body = []
     for joint in matter:
         before, after = design.before[joint], design.after[joint]
-        numbers = [sig(getattr(row, norm)) for row in (before, after) for norm in NORMS]
+        numbers = [sig(seen(getattr(row, norm))) for row in (before, after) for norm in NORMS]
         body.append([*numbers, _motor(before), "" if joint in counted else "not counted"])
     names = [f"{joint} [{design.before[joint].unit}]" for joint in matter]
     return _table(names, {0: "before", 3: "after"}, [*NORMS, *NORMS, "motor limit", ""], body) if matter else []

@@ -65,6 +65,7 @@ class Solution:
         parts = [term.triangle[:, :-1] for term in self.program.terms]
         # what a body can have binds before a residual does: such directions are not free
         parts += [one.S.reshape(len(scale), -1).T for one in self.program.definite]
+        parts += [rows.G / rows.scale for rows in self.program.rows if rows.equality]
         factor = np.vstack(parts) * scale
         _, singular, vectors = np.linalg.svd(factor)
         rank = int((singular > 1e-10 * max(singular.max(initial=0.0), 1e-300)).sum())

@@ -52,16 +52,16 @@ class Term:
 
     def value(self, theta: Array) -> float:
         """The norm at theta, without the factor."""
-        return norm_value(self.norm, self.magnitudes(self.residual(theta)), self.weight)
+        return float(norm_value(self.norm, self.magnitudes(self.residual(theta)), self.weight))
 
 
-def norm_value(norm: Norm, magnitudes: Array, weight: Array) -> float:
-    """A norm of block magnitudes (N, B) under weights (N,) that sum to one."""
+def norm_value(norm: Norm, magnitudes: Array, weight: Array) -> Array:
+    """A norm (...) of block magnitudes (..., N, B) under weights (N,) that sum to one."""
     if norm == "peak":
-        return float(magnitudes.max())
+        return magnitudes.max(axis=(-2, -1))
     if norm == "rms":
-        return float(np.sqrt(weight @ (magnitudes**2).sum(-1)))
-    return float(weight @ magnitudes.sum(-1))
+        return np.sqrt((magnitudes**2).sum(-1) @ weight)
+    return magnitudes.sum(-1) @ weight
 
 
 @dataclass(frozen=True, eq=False)

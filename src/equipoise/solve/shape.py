@@ -17,6 +17,8 @@ STEP = 1e-30
 PENALTY = 30.0
 MARGIN = 1e-8
 BENT = 0.7
+AT_ONCE = 10_000
+"""Rows of states times candidates that one program holds, so that its arrays stay in the cache."""
 
 Build = Callable[[Geometry], Program]
 Judge = Callable[[Program, int, float], Array]
@@ -80,11 +82,11 @@ class _Point:
 
 
 def screen(
-    build: Build, freedoms: Sequence[Freedom], count: int, seed: int, load: float, judge: Judge
+    build: Build, rows: int, freedoms: Sequence[Freedom], count: int, seed: int, load: float, judge: Judge
 ) -> tuple[Array, Array]:
-    """Sobol geometries (K, G) with what a judge makes of them, best first."""
+    """Sobol geometries (K, G) with what a judge makes of them on that many rows of states, best first."""
     gammas = sown(freedoms, count, seed)
-    chunks = np.array_split(gammas, max(1, len(gammas) // 16))
+    chunks = np.array_split(gammas, -(-len(gammas) * rows // AT_ONCE))
     score = np.concatenate([judge(build(chunk), len(chunk), load) for chunk in chunks])
     order = np.argsort(score, kind="stable")
     return gammas[order], score[order]
@@ -121,15 +123,16 @@ def by_least_squares(program: Program, count: int, load: float) -> Array:
         scaled = gram * scale[:, :, None] * scale[:, None, :]
         theta = -scale * np.einsum("cpq,cq->cp", np.linalg.pinv(scaled, rcond=1e-10, hermitian=True), side * scale)
         theta = np.clip(theta, program.lower, program.upper)
-    score = np.zeros(count)
-    for index in range(count):
-        one = program.take(index)
-        for term in one.terms:
-            value = norm_value(term.norm, term.magnitudes(term.residual(theta[index])), term.weight)
-            score[index] += term.factor * value if term.cap is None else 0.0
-        excess = max([0.0] + [float(r.excess(theta[index]).max()) / r.scale for r in one.rows if r.h.size])
-        score[index] += load * min(excess, 1e3)
-    return score
+    score, excess = np.zeros(count), np.zeros(count)
+    for term in program.terms:
+        if term.cap is None:
+            residual = term.b + (term.A @ theta[:, None, :, None])[..., 0]
+            score += term.factor * norm_value(term.norm, term.magnitudes(residual), term.weight)
+    for rows in program.rows:
+        if rows.h.size:
+            gap = (rows.G @ theta[:, :, None])[..., 0] - rows.h
+            excess = np.maximum(excess, (np.abs(gap) if rows.equality else gap).max(axis=-1) / rows.scale)
+    return score + load * np.minimum(excess, 1e3)
 
 
 def spread_out(gammas: Array, freedoms: Sequence[Freedom], count: int) -> Array:

@@ -19,10 +19,12 @@ from equipoise.steepness import Account, steepness
 from equipoise.sweep import Sweep
 
 if TYPE_CHECKING:
+    from equipoise.cables.survey import Survey
     from equipoise.machinery import Machine
 
 WORTH_SHARE = 0.1
 WORTH_MOTOR = 0.02
+NOTHING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +44,16 @@ class Analysis:
 
         return machine(self.mechanism, self.sweep, self.states)
 
+    @cached_property
+    def cables(self) -> Survey | None:
+        """Where cables hold a platform and how well, at up to 400 poses; None for anything else."""
+        platform = self.mechanism.platform
+        if platform is None or not platform.cables:
+            return None
+        from equipoise.cables.survey import looked_at, survey
+
+        return survey(self.mechanism.states(self.sweep.at_poses(looked_at(self.sweep))))
+
     @property
     def worth(self) -> tuple[str, ...]:
         """Driven joints that are worth a spring."""
@@ -57,6 +69,7 @@ class Analysis:
                 for joint, row in self.rows.items()
             },
             "audit": list(self.mechanism.remarks),
+            "cables": None if self.cables is None else self.cables.json(),
             **({"machine": self.machine.json()} if self.machine else {}),
         }
 
@@ -72,7 +85,8 @@ def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
     Over poses it is what motors hold; over a motion what they supply, inertia included, and the wrench of the
     base on the mechanism is told beside it (moment about the world origin).
     A joint is not worth a spring where gravity loads it with less than 10 % of the largest effort of its
-    unit and less than 2 % of its motor limit. Peaks are polished between the samples.
+    unit and less than 2 % of its motor limit. Peaks are polished between the samples. Of a cable platform up to 400
+    poses are surveyed: wrench closure, feasibility, clearance, stiffness.
     """
     sweep = sweep or Sweep.sobol(mechanism)
     states = mechanism.states(sweep)
@@ -86,7 +100,7 @@ def analyze(mechanism: Mechanism, sweep: Sweep | None = None) -> Analysis:
 def _reason(joint: str, rows: dict[str, Row]) -> str:
     row = rows[joint]
     largest = max(other.peak for other in rows.values() if other.unit == row.unit)
-    if row.peak <= 1e-6 * max(largest, 1e-9):
+    if row.peak <= max(1e-6 * largest, NOTHING):
         return "gravity does not load it"
     share = row.peak / largest
     if row.limit is not None:

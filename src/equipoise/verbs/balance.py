@@ -144,9 +144,9 @@ def settle(task: Task) -> Balanced:
         solution = saved(task, states, program, solution)
         # Rounding may leave a value outside its bounds by 1e-10 of its size.
         solution = replace(solution, theta=np.clip(solution.theta, program.lower, program.upper))
-        found = _between(task, states, program, solution, starts)
+        found = between(task, states, program, solution, starts)
         if not len(found) and starts == FEW:
-            found = _between(task, states, program, solution, STARTS)
+            found = between(task, states, program, solution, STARTS)
         rounds += 1
         if not len(found) or rounds == ROUNDS:
             return Balanced(task, states, program, solution, len(task.sweep.poses) - started)
@@ -241,8 +241,10 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
     return theta + solve(Program(moves, (term,), tuple(rows), definite)).theta @ directions
 
 
-def _between(task: Task, states: States, program: Program, solution: Solution, starts: int) -> Array:
-    """Poses between the samples whose peak exceeds the solved one; none for grids, lists and other norms."""
+def between(
+    task: Task, states: States, program: Program, solution: Solution, starts: int, level: float | None = None
+) -> Array:
+    """Poses between the samples whose peak exceeds a level, the solved one by default; none for grids and lists."""
     aims = [aim for aim in task.objective if aim.cap is None]
     if not task.sweep.sampled or len(aims) > 1 or aims[0].norm != "peak" or aims[0].goal == "mass":
         return task.sweep.coordinates[:0]
@@ -258,7 +260,8 @@ def _between(task: Task, states: States, program: Program, solution: Solution, s
 
     size = magnitudes(whole(states)[1], [block.size for block in blocks])[:, counted] * factor
     sampled = size.reshape(len(task.sweep.scenarios), len(task.sweep.poses), -1).max(axis=0)
-    level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
+    if level is None:
+        level = max(term.value(solution.theta) for term in program.terms if term.cap is None)
     # A row far below the level at every sample does not reach it between them.
     near = np.flatnonzero(sampled.max(axis=0) >= NEAR * level)
     probe = steepness(task.mechanism, task.sweep, blocks, whole)

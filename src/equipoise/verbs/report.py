@@ -18,11 +18,16 @@ from equipoise.errors import InputError
 def report(design: Design, out: Path | str) -> Path:
     """Write report.html, design.json, residuals.csv and `<mechanism>_balanced.xml` to a folder; returns the HTML file.
 
-    A design without a verification is verified first; one that disagrees is reported as such. Files are made in
+    Cams and drums that the design has `made` add a DXF and a CSV file each.
+
+    A design without a verification is verified first; one that disagrees is reported as such. One without a tolerance
+    gets that of the default scatter. Files are made in
     a folder of their own and moved in place when all are there. Raises InputError where `out` cannot be written.
     """
+    from equipoise.cables.behaviour import behaviour
     from equipoise.reporting.html import page
     from equipoise.reporting.jsonfile import dumps
+    from equipoise.scattering import followed, tolerance
     from equipoise.verbs.verify import verify
     from equipoise.verification.saved import save
 
@@ -34,11 +39,18 @@ def report(design: Design, out: Path | str) -> Path:
             stage = Path(folder)
             if design.verification is None:
                 design = verify(design)
+            if design.tolerance is None and followed(design):
+                design = replace(design, tolerance=tolerance(design))
+            platform = design.mechanism.platform
+            if design.cables is None and platform is not None and platform.cables:
+                design = replace(design, cables=behaviour(design))
             model = save(design, stage)
             design = _naming(design, target / model.name)
             (stage / "report.html").write_text(page(design, model.name), encoding="utf-8")
             (stage / "design.json").write_text(dumps(design.json()), encoding="utf-8")
             _write_residuals(design, stage / "residuals.csv")
+            for part in design.made:
+                part.write(stage)
             _move(stage, target)
     except OSError as error:
         raise InputError(

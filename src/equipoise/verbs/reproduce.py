@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from equipoise.claim import Claim
+from equipoise.errors import InputError
 from equipoise.papers.paper import Improvement, Paper
 
 
@@ -40,19 +42,51 @@ class Reproduction:
         return whole(self.paper, self.claims, self.improved)
 
 
-def reproduce(paper: str | None = None, *, progress: Callable[[str], None] | None = None) -> tuple[Reproduction, ...]:
+def reproduce(
+    paper: str | None = None, *, workers: int = 1, progress: Callable[[str], None] | None = None
+) -> tuple[Reproduction, ...]:
     """Recompute one paper, named by its slug or an unambiguous part of it, or all of them.
 
-    progress is told each slug before its computation begins.
-    Raises InputError for a name that fits no paper, or several.
+    workers processes share the work; a script that asks for more than one needs the usual guard of
+    multiprocessing. progress is told each slug before its computation begins.
+    Raises InputError for a name that fits no paper, or several, or for no worker.
     """
     from equipoise.papers import find
     from equipoise.papers import paper as load
 
-    found = []
-    for slug in find(paper):
-        if progress is not None:
-            progress(slug)
-        one = load(slug)
-        found.append(Reproduction(one, one.claims(), one.improved()))
-    return tuple(found)
+    if workers < 1:
+        raise InputError(f"{workers} workers", where="reproduce", hint="use at least one")
+    slugs = find(paper)
+    parts = [(slug, part) for slug in slugs for part in ("claims", "improved")]
+    with _mapped(min(workers, len(parts))) as run:
+        found = run(_recompute, parts)
+        answers = []
+        for slug in slugs:
+            if progress is not None:
+                progress(slug)
+            answers.append(Reproduction(load(slug), next(found), next(found)))
+    return tuple(answers)
+
+
+def _recompute(part: tuple[str, str]) -> Sequence[Any]:
+    """The claims or the improvements of a paper."""
+    from equipoise.papers import paper
+
+    slug, which = part
+    return tuple(getattr(paper(slug), which)())
+
+
+@contextmanager
+def _mapped(workers: int) -> Iterator[Callable[..., Iterator[Any]]]:
+    """map over that many processes; in this one where one is enough."""
+    if workers == 1:
+        yield map
+        return
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    try:
+        yield pool.map
+    finally:
+        pool.shutdown(cancel_futures=True)

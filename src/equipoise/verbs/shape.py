@@ -100,7 +100,7 @@ def shape(
     if starts < 1:
         raise InputError(f"{starts} starts", where="shape", hint="use at least one")
     freedoms = tuple(freedom_of(balancers, name, bounds) for name, bounds in free.items())
-    _once(balancers, free)
+    once(balancers, free)
     open_ones = {f.name: (f.lower + f.upper) / 2 for f in freedoms if read(balancers, f.name) is None}
     task = task_of(mechanism, write(balancers, open_ones), sweep, norm, objective, limits)
     search = _Search(task, freedoms)
@@ -129,7 +129,7 @@ def shape(
 
 
 def freedom_of(balancers: Sequence[Balancer], name: str, bounds: tuple[float, float]) -> Freedom:
-    """A parameter with its bounds; raises InputError for bounds that are reversed or not finite."""
+    """One parameter with its bounds; raises InputError where they are none."""
     low, high = (float(bound) for bound in bounds)
     if not (np.isfinite(low) and np.isfinite(high)):
         raise InputError(f"the bounds of {name} are not finite", where=f"shape.{name}")
@@ -142,7 +142,7 @@ def freedom_of(balancers: Sequence[Balancer], name: str, bounds: tuple[float, fl
     return Freedom(name, unit_of(balancers, name), low, high)
 
 
-def _once(balancers: Sequence[Balancer], free: Mapping[str, tuple[float, float]]) -> None:
+def once(balancers: Sequence[Balancer], free: Mapping[str, tuple[float, float]]) -> None:
     """Raise InputError where two names free the same parameter."""
     owner: dict[str, str] = {}
     for name in free:
@@ -167,7 +167,9 @@ def load_of(task: Task, states: States) -> float:
 def _called_up(search: _Search, states: States, seed: int) -> float:
     """What the limits call up by themselves: the median over geometries in the bounds; zero where they do not."""
     build = search.builder(states.take(slice(None, None, 1 + len(states) // COARSE)))
-    found = [build(gamma[None]).take(0).called_up for gamma in sown(search.freedoms, SOUNDED, seed)]
+    gammas = sown(search.freedoms, SOUNDED, seed)
+    sounded = build(gammas)
+    found = [sounded.take(index).called_up for index in range(len(gammas))]
     return float(np.median([value for value in found if value > 0] or [0.0]))
 
 
@@ -182,17 +184,45 @@ def _descend_all(
 ) -> Optima:
     """All starts on few states, the best few distinct ones again on all."""
     task = search.task
-    few = task.mechanism.states(_thinned(task.sweep, states)) if len(task.sweep.poses) > COARSE else states
-    coarse, fine = search.builder(few), search.builder(states)
-    ranked, _ = screen(coarse, search.freedoms, PER_START * starts, seed, 10 * load, judge)
-    begin = spread_out(ranked, search.freedoms, starts)
-    present = _present(search)
+    few = task.mechanism.states(thinned(task.sweep, states)) if len(task.sweep.poses) > COARSE else states
+    fine = None if few is states else search.builder(states)
+    begin = _present(search)
+    return descend_all(
+        search.builder(few),
+        fine,
+        search.freedoms,
+        begin,
+        load,
+        rows=len(few),
+        judge=judge,
+        starts=starts,
+        seed=seed,
+        progress=progress,
+    )
+
+
+def descend_all(
+    coarse: Build,
+    fine: Build | None,
+    freedoms: Sequence[Freedom],
+    present: Array | None,
+    load: float,
+    *,
+    rows: int,
+    judge: Judge,
+    starts: int,
+    seed: int,
+    progress: Progress | None,
+) -> Optima:
+    """All starts over few states, `rows` of them, the present geometry first; the best distinct ones again over all."""
+    ranked, _ = screen(coarse, rows, freedoms, PER_START * starts, seed, 10 * load, judge)
+    begin = spread_out(ranked, freedoms, starts)
     if present is not None:
         begin = np.vstack([present, begin[: starts - 1]])
     found: list[Local] = []
     try:
         for done, gamma in enumerate(begin, 1):
-            found.append(descend(coarse, search.freedoms, gamma, load, precision=1e-7 if few is not states else 1e-9))
+            found.append(descend(coarse, freedoms, gamma, load, precision=1e-9 if fine is None else 1e-7))
             if progress:
                 progress(done, len(begin), min(local.merit for local in found))
             if _settled(found, load):
@@ -201,9 +231,9 @@ def _descend_all(
         if not found:
             raise
     found.sort(key=lambda local: local.merit)
-    if few is not states:
-        finalists = _distinct(found, search.freedoms, 3)
-        polished = [descend(fine, search.freedoms, local.gamma, load, radius=0.05) for local in finalists]
+    if fine is not None:
+        finalists = _distinct(found, freedoms, 3)
+        polished = [descend(fine, freedoms, local.gamma, load, radius=0.05) for local in finalists]
         rest = [local for local in found if local not in finalists]
         found = sorted(polished, key=lambda local: local.merit) + rest
     return Optima(tuple(found), seed)
@@ -238,7 +268,7 @@ def _distinct(found: list[Local], freedoms: Sequence[Freedom], count: int) -> li
     return chosen
 
 
-def _thinned(sweep: Sweep, states: States) -> Sweep:
+def thinned(sweep: Sweep, states: States) -> Sweep:
     """A few hundred of the sweep's poses: an even choice and the most loaded ones."""
     even = np.linspace(0, len(sweep.poses) - 1, COARSE * 3 // 4).astype(int)
     loads = np.abs(states.holding).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)

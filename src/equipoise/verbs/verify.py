@@ -11,7 +11,8 @@ from equipoise.design import Design
 from equipoise.errors import DisagreementError, InputError
 from equipoise.verification.continuum import bounds
 from equipoise.verification.energy import energy_errors
-from equipoise.verification.findings import Bound, Verification
+from equipoise.verification.findings import Bound, MotionCheck, Verification
+from equipoise.verification.motion import check_motion
 from equipoise.verification.saved import save
 from equipoise.verification.simulate import ENGINE, compare
 
@@ -19,7 +20,6 @@ POSES = 10_000
 SEED = 20_259
 TOLERANCE = 1e-9
 ENERGY_TOLERANCE = 1e-6
-AT_REST = "verified at rest: weights and springs of the saved file; the motion itself is not simulated"
 
 
 def verify(
@@ -52,6 +52,7 @@ def verify(
 def _judged(design: Design, path: Path, kept: Path | None, poses: int, seed: int) -> Design:
     comparison = compare(design, path, poses, seed)
     between = bounds(design.mechanism, design.balancers, design.values, design.sweep, design.after)
+    motion = None if design.sweep.moves is None else check_motion(design, path)
     verification = Verification(
         engine=ENGINE,
         poses=len(comparison.states) // len(design.sweep.scenarios),
@@ -65,7 +66,8 @@ def _judged(design: Design, path: Path, kept: Path | None, poses: int, seed: int
         energy_tolerance=ENERGY_TOLERANCE,
         bounds=between,
         model=kept,
-        notes=(*comparison.notes, *_missed(design, between), *(() if design.sweep.moves is None else (AT_REST,))),
+        notes=(*comparison.notes, *_missed(design, between), *((motion,) if isinstance(motion, str) else ())),
+        motion=motion if isinstance(motion, MotionCheck) else None,
     )
     return replace(design, verification=verification)
 
@@ -93,6 +95,8 @@ def insist(design: Design) -> None:
                 where=where,
                 hint="look at the saved model's sites, tendons and masses; if they are right, please report this",
             )
+    if found.motion is not None and found.motion.faults:
+        raise DisagreementError(found.motion.faults[0], where=where, hint="please report this design")
     name, error = max(found.energy.items(), key=lambda item: item[1])
     raise DisagreementError(
         f"the effort of {name} is not the derivative of its energy: relative difference {error:.3g}",

@@ -89,13 +89,85 @@ class Bound:
 
 
 @dataclass(frozen=True)
+class FreeBase:
+    """How far a floating base of a mass (kg) and radius of gyration (m) moves: largest shift (m) and turn (rad).
+
+    before is without the added parts, after with them at the longer and at the shorter time step.
+    """
+
+    mass: float
+    radius: float
+    before: tuple[float, float]
+    after: tuple[tuple[float, float], tuple[float, float]]
+
+    def json(self) -> dict[str, Any]:
+        """The base as design.json holds it."""
+        moved = {
+            word: {"shift": {"value": shift, "unit": "m"}, "turn": {"value": turn, "unit": "rad"}}
+            for word, (shift, turn) in (("before", self.before), ("coarse", self.after[0]), ("after", self.after[1]))
+        }
+        return {"mass": self.mass, "radius_of_gyration": self.radius, **moved}
+
+
+@dataclass(frozen=True)
+class MotionCheck:
+    """The saved machine in motion.
+
+    errors {row: JointError} of MuJoCo's inverse dynamics at `instants` instants between the samples; differences
+    {force, moment: errors of a forward simulation with each of the two time `steps` (s)} fall with the step; base is
+    what a floating base does.
+    """
+
+    instants: int
+    errors: Mapping[str, JointError]
+    steps: tuple[float, float]
+    differences: Mapping[str, tuple[JointError, JointError]]
+    base: FreeBase
+
+    tolerance = 1e-8
+    """Of the load, for inverse dynamics."""
+    falls = 0.7
+    """A fourth of the step must leave at most this share of the difference."""
+    settled = 1e-4
+    """Of the load: differences that need not fall further."""
+
+    @property
+    def faults(self) -> list[str]:
+        """What disagrees, in words."""
+        found = [
+            f"inverse dynamics of the saved model differs by {error.error:.3g} {error.unit} at {name}"
+            for name, error in self.errors.items()
+            if not error.error <= self.tolerance * max(error.load, 1e-3)
+        ]
+        for name, (coarse, fine) in self.differences.items():
+            if not fine.error <= max(self.falls * coarse.error, self.settled * fine.load, 1e-9):
+                found.append(
+                    f"the simulated {name} differs by {coarse.error:.3g} {coarse.unit} at a time step of "
+                    f"{self.steps[0]:.3g} s and by {fine.error:.3g} {fine.unit} at {self.steps[1]:.3g} s: "
+                    "it does not fall"
+                )
+        return found
+
+    def json(self) -> dict[str, Any]:
+        """The check as design.json holds it."""
+        return {
+            "instants": self.instants,
+            "inverse": {name: error.json() for name, error in self.errors.items()},
+            "steps": list(self.steps),
+            "forward": {name: [error.json() for error in pair] for name, pair in self.differences.items()},
+            "free_base": self.base.json(),
+            "agrees": not self.faults,
+        }
+
+
+@dataclass(frozen=True)
 class Verification:
     """The verdict on a design.
 
     errors {joint: JointError} over `poses` poses times `scenarios` payloads, chosen as `where` says; worst
     is where they are largest; tolerance is relative to max(load, 1) of a joint's unit; energy {element: largest
     relative difference of its effort and the derivative of its energy}; bounds {joint: Bound}; model is the
-    saved file, None where it was only temporary; notes are what else must be known.
+    saved file, None where it was only temporary; notes are what else must be known; motion is the check of a motion.
     """
 
     engine: str
@@ -111,6 +183,7 @@ class Verification:
     bounds: Mapping[str, Bound]
     model: Path | None = None
     notes: tuple[str, ...] = field(default=())
+    motion: MotionCheck | None = None
 
     @property
     def max_abs_error(self) -> float:
@@ -131,7 +204,8 @@ class Verification:
     def agrees(self) -> bool:
         """Whether MuJoCo gives the same efforts and every effort is the derivative of its energy."""
         same = all(self.within(error) for error in self.errors.values())
-        return same and all(error <= self.energy_tolerance for error in self.energy.values())
+        moves = self.motion is None or not self.motion.faults
+        return same and moves and all(error <= self.energy_tolerance for error in self.energy.values())
 
     def within(self, error: JointError) -> bool:
         """Whether one joint's error is within the tolerance; an error that is not a number is not."""
@@ -160,4 +234,5 @@ class Verification:
             "bounds": {joint: bound.json() for joint, bound in self.bounds.items()},
             "model": self.model.name if self.model else None,
             "notes": list(self.notes),
+            "motion": self.motion.json() if self.motion else None,
         }

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Array
+from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError
@@ -29,9 +30,26 @@ def installed(design: Design) -> mujoco.MjSpec:
     for balancer in design.balancers:
         where = f"{balancer.name} in {design.mechanism.name}"
         with refusals(where, "a part's name must not occur in the model: rename the part"):
+            if isinstance(balancer, Flywheel):
+                _add_wheel(spec, design, balancer)
             balancer.install(spec, design.values, design.states)
     _close_keys(spec, design)
     return spec
+
+
+def _add_wheel(spec: mujoco.MjSpec, design: Design, wheel: Flywheel) -> None:
+    """The flywheel as a body on a hinge `<name>_joint` at the world's origin, with the inertia that its law found."""
+    law = design.flywheel_law(wheel)
+    inertia = law.inertia if law is not None else wheel.inertia
+    if inertia is None:
+        return
+    quat = np.empty(4)
+    mujoco.mju_quatZ2Vec(quat, wheel.normal)
+    body = spec.worldbody.add_body(name=wheel.name)
+    body.explicitinertial, body.mass = True, max(wheel.mass, 1e-9 * inertia)
+    body.ipos, body.inertia, body.iquat = [0.0, 0.0, 0.0], [inertia / 2, inertia / 2, inertia], quat.tolist()
+    joint = body.add_joint(name=f"{wheel.name}_joint", axis=wheel.normal.tolist())
+    joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
 
 
 def _close_keys(spec: mujoco.MjSpec, design: Design) -> None:

@@ -162,11 +162,11 @@ def holding(
         for index, (point, mass) in enumerate(zip(states.payload_points, masses, strict=True)):
             add_point_mass(loaded, f"payload {index + 1} of the verification", point.body, point.at, float(mass))
         for name in forces:
-            _drive(loaded, name)
+            drive_tendon(loaded, name)
         model = compile_spec(loaded, mechanism.name)
         if q is None or transmission is None:
             q, transmission = postures(model, states, positions or {}, laws or {})
-        springs = _quieten(model, mechanism.model)
+        springs = quieten(model, mechanism.model)
         for start in range(0, len(rows), CHUNK):
             part = rows[start : start + CHUNK]
             force = _forces(model, q[part], springs, forces)
@@ -175,7 +175,7 @@ def holding(
     return result
 
 
-def _drive(spec: mujoco.MjSpec, name: str) -> None:
+def drive_tendon(spec: mujoco.MjSpec, name: str) -> None:
     """Put a motor in the place of a tendon's own spring."""
     tendon = spec.tendon(name)
     tendon.stiffness = [0.0, 0.0, 0.0]
@@ -186,10 +186,13 @@ def _drive(spec: mujoco.MjSpec, name: str) -> None:
     actuator.biastype = mujoco.mjtBias.mjBIAS_NONE
 
 
-def _quieten(model: mujoco.MjModel, original: mujoco.MjModel) -> bool:
-    """Leave gravity and springs only: no constraints, motors, motor limits; whether actuators stand for springs."""
+def quieten(model: mujoco.MjModel, original: mujoco.MjModel, prefix: str = "") -> bool:
+    """Leave gravity and springs only: no constraints, motors, motor limits; whether actuators stand for springs.
+
+    The original's names carry a prefix in the model.
+    """
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
-    motors = {original.actuator(index).name for index in range(original.nu)}
+    motors = {prefix + original.actuator(index).name for index in range(original.nu)}
     springs = np.array([model.actuator(index).name not in motors for index in range(model.nu)], dtype=bool)
     model.actuator_gaintype[~springs] = mujoco.mjtGain.mjGAIN_FIXED
     model.actuator_biastype[~springs] = mujoco.mjtBias.mjBIAS_NONE

@@ -2,6 +2,7 @@
 
 from equipoise.balancers.laws.bspline import BSpline
 from equipoise.balancers.laws.coil import Coil
+from equipoise.balancers.laws.constant_pressure import ConstantPressure
 from equipoise.balancers.laws.cylinder import gas_cylinder
 from equipoise.balancers.laws.gas import Gas
 from equipoise.balancers.laws.hydro_pneumatic import HydroPneumatic
@@ -11,12 +12,14 @@ from equipoise.balancers.laws.polynomial import Polynomial
 from equipoise.balancers.laws.stored import Stored
 from equipoise.balancers.laws.straight import Constant, Linear, ZeroFreeLength
 from equipoise.balancers.laws.torsion import Torsion
+from equipoise.balancers.laws.weight import Weight
 from equipoise.balancers.laws.wire import WireMass
 
 __all__ = [
     "BSpline",
     "Coil",
     "Constant",
+    "ConstantPressure",
     "Gas",
     "HydroPneumatic",
     "Law",
@@ -26,6 +29,7 @@ __all__ = [
     "Share",
     "Stored",
     "Torsion",
+    "Weight",
     "WireMass",
     "ZeroFreeLength",
     "gas_cylinder",

@@ -11,7 +11,8 @@ from equipoise.balancers.paths.inverted_slider_crank import InvertedSliderCrank
 from equipoise.balancers.paths.line import Line
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Path, Place, Sketch
-from equipoise.balancers.paths.profile import ConstantEnergy, Lift, Profile
+from equipoise.balancers.paths.pinion import Pinion
+from equipoise.balancers.paths.profile import ConstantEnergy, ConstantTorque, Lift, Profile
 from equipoise.balancers.paths.pulley import Pulley
 from equipoise.balancers.paths.reel import Reel
 from equipoise.balancers.paths.scotch_yoke import ScotchYoke
@@ -26,6 +27,7 @@ __all__ = [
     "Cable",
     "Cam",
     "ConstantEnergy",
+    "ConstantTorque",
     "Drum",
     "FourBar",
     "Gear",
@@ -35,6 +37,7 @@ __all__ = [
     "Mount",
     "Need",
     "Path",
+    "Pinion",
     "Place",
     "Profile",
     "Pulley",

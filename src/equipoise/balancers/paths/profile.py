@@ -18,6 +18,7 @@ from equipoise.units import Angle, Length, Number
 
 FULL = 2.0 * math.pi
 CLOSED = 1e-9
+LEAST = 1e-3
 
 
 class Lift(ABC):
@@ -73,6 +74,60 @@ class ConstantEnergy(Lift):
         """The tangent at each angle."""
         lift, slope = self(u)
         return u, np.stack([0.0 * lift, 0.0 * lift, slope, lift])
+
+
+@dataclass(frozen=True)
+class ConstantTorque(Lift):
+    """The fusee: the cam on which an ordinary spring gives a constant torque, in closed form.
+
+        lift = base sqrt(1 + share u),   k lift^2 / 2 = k base^2 / 2 + (k base^2 share / 2) u
+
+    A spring of rate k that is free at lift 0 holds a constant torque of k base^2 share / 2 over any range of u > -1 /
+    share; on a pinion or drum, a constant force along a slide. base is the lift at u = 0, m; share per rad. Raises
+    InputError for a share of zero.
+    """
+
+    base: Length
+    share: Number
+
+    def __post_init__(self) -> None:
+        if isinstance(self.share, int | float) and self.share == 0:
+            raise InputError("a share of 0 is a round disc, which gives no torque", where="cam profile")
+
+    def __call__(self, u: Any) -> tuple[Any, Any]:
+        """Lift and its derivative."""
+        lift = self.base * np.sqrt(self._inside(u))
+        return lift, 0.5 * self.base**2 * self.share / lift
+
+    def _inside(self, u: Any) -> Any:
+        """1 + share u; of many candidates those that leave the cam's point stay just inside, and a limit says so."""
+        square = 1.0 + self.share * u
+        if np.ndim(square) < 2:
+            worst = float(np.min(np.real(square)))
+            if worst <= 0:
+                beyond = -worst / abs(float(np.real(self.share)))
+                raise InputError(
+                    f"the cam turns {beyond:.4g} rad beyond its point, where the lift is 0",
+                    where="cam profile",
+                    hint="a smaller share, or a phase that keeps 1 + share u above 0",
+                )
+            return square
+        return np.where(np.real(square) > LEAST, square, LEAST)
+
+    def room(self, u: Any) -> Any:
+        """How far, in share u, angles are from the cam's point."""
+        return 1.0 + self.share * u - LEAST
+
+    def pieces(self, u: Any) -> tuple[Array, Array]:
+        """The tangent at each angle."""
+        lift, slope = self(u)
+        return u, np.stack([0.0 * lift, 0.0 * lift, slope, lift])
+
+    @property
+    def turn(self) -> tuple[float, float] | None:
+        """Half a turn to either side, or from the point on."""
+        far = 0.9 / abs(self.share)
+        return (-min(math.pi, far), math.pi) if self.share > 0 else (-math.pi, min(math.pi, far))
 
 
 @dataclass(frozen=True)

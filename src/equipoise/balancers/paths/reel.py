@@ -14,6 +14,9 @@ from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
 
+UPRIGHT = np.array([0.0, -1.0, 0.0])
+"""The axis about which a reel is drawn: across the plane of planar platforms."""
+
 
 @dataclass(frozen=True)
 class Reel(Path):
@@ -51,6 +54,7 @@ class Reel(Path):
         return tendon
 
     def sketch(self, states: States, row: int) -> Sketch:
-        """The cable from its anchor to the platform."""
+        """The cable from its anchor to the platform, and the spring wound up at the anchor."""
         ends = states.mechanism.cable(self.cable)
-        return Sketch(spring=np.stack([states.point(point)[0][row] for point in ends]), anchors=ends)
+        line = np.stack([states.point(point)[0][row] for point in ends])
+        return Sketch(lines=(line,), spirals=((line[0], UPRIGHT),), anchors=ends)

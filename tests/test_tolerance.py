@@ -1,0 +1,160 @@
+"""What scatter makes of a design: slopes against the real thing, bands against what is known exactly."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from statistics import NormalDist
+
+import numpy as np
+import pytest
+
+import equipoise as eq
+from equipoise.assemble import effort
+from equipoise.cli import main
+from equipoise.scattering.band import _Specimen
+from equipoise.scattering.sources import sources
+
+NOTHING = dict.fromkeys(vars(eq.Scatter()), 0.0)
+
+
+def arm(mass: float = 3.0, gravity: tuple[float, float, float] = (0, 0, -9.81)) -> eq.Mechanism:
+    return eq.chain([eq.Link("upper", length=0.4, mass=mass), eq.Link("fore", length=0.35, mass=2.0)], gravity=gravity)
+
+
+def sweep(mechanism: eq.Mechanism, payload: float = 1.5) -> eq.Sweep:
+    ranges = {"upper_joint": (-1.0, 1.2), "fore_joint": (-2.0, 2.0)}
+    load = eq.Payload("fore", (payload,), (0.35, 0, 0))
+    return eq.Sweep.sobol(mechanism, 64, ranges=ranges, payload=[load])
+
+
+def parts(rest: float = 0.05, x: float = -0.03) -> tuple:
+    coil = eq.Coil(free_length=rest, k=900.0, initial_tension=4.0)
+    gas = eq.Gas(area=3e-4, volume=4e-4, length=0.2, pressure=20e5, action="pull")
+    return (
+        eq.Spring("coil", eq.Line(eq.Point("world", (x, 0, 0.15)), eq.Point("upper", (0.2, 0, 0.02))), coil, mass=0.3),
+        eq.Spring("gas", eq.Line(eq.Point("upper", (0, 0, 0.1)), eq.Point("fore", (0.15, 0, 0))), gas),
+        eq.Counterweight("tail", eq.Point("upper", (-0.1, 0, 0)), mass=1.2),
+    )
+
+
+def residual(mechanism, balancers, over) -> np.ndarray:
+    total = effort(mechanism, balancers, mechanism.states(over))
+    assert not total.unknowns
+    return total.b
+
+
+@pytest.fixture(scope="module")
+def found():
+    mechanism = arm()
+    over = sweep(mechanism)
+    listed = sources(mechanism, parts(), over, mechanism.states(over), "hold", {}, eq.Scatter())
+    return {source.name: source for source in listed}
+
+
+STEP = 1e-5
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("coil's rest length", lambda h: (arm(), parts(rest=0.05 + h), 1.5)),
+        ("coil.path.a.x", lambda h: (arm(), parts(x=-0.03 + h), 1.5)),
+        ("mass of upper", lambda h: (arm(mass=3.0 * (1 + h)), parts(), 1.5)),
+        ("payload", lambda h: (arm(), parts(), 1.5 * (1 + h))),
+        ("tilt of the base", lambda h: (arm(gravity=(9.81 * np.sin(h), 0, -9.81 * np.cos(h))), parts(), 1.5)),
+    ],
+)
+def test_slopes_are_those_of_the_real_thing(found, name, change):
+    def at(step: float) -> np.ndarray:
+        mechanism, balancers, load = change(step)
+        return residual(mechanism, balancers, sweep(mechanism, load))
+
+    slope = (at(STEP) - at(-STEP)) / (2 * STEP)
+    both = [found[name].slope] if "tilt" not in name else [s.slope for n, s in found.items() if n.startswith("tilt")]
+    error = min(np.abs(sign * one - slope).max() for one in both for sign in (1, -1))
+    assert error < 1e-6 * np.abs(slope).max()
+
+
+def test_a_rate_scales_what_the_spring_pulls_and_warmth_adds_up(found):
+    mechanism = arm()
+    over = sweep(mechanism)
+    states = mechanism.states(over)
+    coil, gas, tail = parts()
+    bare = residual(mechanism, [], over)
+    weightless = residual(mechanism, [replace(coil, mass=0.0)], over) - bare
+    np.testing.assert_allclose(found["coil's rate"].slope, weightless, atol=1e-12)
+    np.testing.assert_allclose(found["tail's mass"].slope, residual(mechanism, [tail], over) - bare, atol=1e-12)
+    length, rate = gas.path.deform(states)
+    # Gay-Lussac at constant volume: dP/dT = P/T.
+    pressure = gas.law.pressures(length, {})
+    warmer = pressure / gas.law.temperature * gas.law.area
+    expected = warmer[:, None] * rate - 2.5e-4 * weightless
+    np.testing.assert_allclose(found["temperature"].slope, expected, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("norm", ["rms", "peak", "mean"])
+def test_one_error_of_an_exact_balance_is_known_exactly(norm):
+    """r = e F: the 95 % value of |e| is that of a half-normal, and the rate takes all of it back."""
+    mechanism = eq.chain([eq.Link("arm", length=0.5, mass=2.0)])
+    over = eq.Sweep.grid(mechanism, {"arm_joint": (-1.5, 1.5, 31)})
+    spring = eq.Spring("s", eq.Line(eq.Point("world", (0, 0, 0.2)), eq.Point("arm", (0.1, 0, 0))), eq.ZeroFreeLength())
+    design = eq.balance(mechanism, [spring], over, norm=norm)
+    scatter = eq.Scatter(**NOTHING | {"rate": 0.06})
+    answer = eq.tolerance(design, scatter, samples=100_000)
+    before = design.before["arm_joint"]
+    whole = {"rms": before.rms, "peak": before.sample_peak, "mean": before.mean}[norm]
+    for level, value in ((0.05, answer.band.low), (0.5, answer.band.median), (0.95, answer.band.high)):
+        assert value == pytest.approx(NormalDist().inv_cdf((1 + level) / 2) * 0.03 * whole, rel=0.04)
+    assert answer.worst.name == "s's rate"
+    assert answer.worst.high == pytest.approx(answer.band.high, rel=0.05)
+    assert answer.adjuster.band.high < 1e-6 * whole
+    assert answer == eq.tolerance(design, scatter, samples=100_000)
+    assert answer != eq.tolerance(design, scatter, samples=100_000, seed=1)
+
+
+@pytest.mark.parametrize("norm", ["rms", "peak"])
+def test_fewer_rows_have_the_same_norms(norm):
+    mechanism = arm()
+    spring = eq.Spring("s", parts()[0].path, eq.ZeroFreeLength())
+    design = eq.balance(mechanism, [spring], sweep(mechanism), norm=norm)
+    aim, states = design.objective[0], design.states
+    listed = sources(mechanism, design.balancers, design.sweep, states, "hold", dict(design.values), eq.Scatter())
+    whole = _Specimen.of(design, aim, states, listed)
+    errors = np.random.default_rng(3).standard_normal((500, len(listed)))
+    fewer = whole.fewer()
+    assert fewer.nominal.size < whole.nominal.size
+    np.testing.assert_allclose(fewer.values(errors), whole.values(errors), rtol=1e-10)
+    assert eq.tolerance(design, eq.Scatter(**NOTHING)).band.high == pytest.approx(design.certificate.primal, rel=1e-6)
+
+
+def test_design_reports_it_and_the_file_sets_it(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "p.yaml").write_text(
+        "mechanism: {chain: {links: [{name: arm, length: 0.5, mass: 2}]}}\n"
+        "sweep: {grid: {arm_joint: [-90 deg, 90 deg, 19]}}\n"
+        "balancers:\n"
+        "  - spring: {name: s, path: {line: [[world, 0, 0, 0.2], [arm, 0.1, 0, 0]]}, law: zero_free_length}\n"
+        "tolerances: {rate: 10 %, tilt: 0, temperature: 0}\n"
+        "objective: {norm: peak}\n"
+    )
+    assert main(["design", "p.yaml", "--json", "--out", "out"]) == 0
+    out, err = capsys.readouterr()
+    found = json.loads(out)["tolerance"]
+    assert found["scatter"]["rate"] == 0.1
+    assert found["samples"] == 100_000
+    assert {one["name"] for one in found["alone"]}.isdisjoint({"temperature", "tilt of the base"})
+    assert "most by s's rate (± 10 %)" in err
+    assert "When parts are as they come" in (tmp_path / "out/report.html").read_text()
+    (tmp_path / "p.yaml").write_text((tmp_path / "p.yaml").read_text().replace("tilt: 0,", "tilt: -1 deg,"))
+    assert main(["design", "p.yaml"]) == 2
+    assert "line 5" in capsys.readouterr().err
+
+
+def test_what_cannot_be_followed_is_said():
+    with pytest.raises(eq.InputError, match="no tolerance any more"):
+        eq.Scatter(temperature=293.0)
+    mechanism = arm()
+    design = eq.balance(mechanism, [eq.Spring("s", parts()[0].path, eq.ZeroFreeLength())], sweep(mechanism))
+    with pytest.raises(eq.InputError, match="0 samples"):
+        eq.tolerance(design, samples=0)
