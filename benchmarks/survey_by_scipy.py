@@ -62,7 +62,9 @@ def best_geometry(
     return float(np.sqrt(best)), at
 
 
-def one_by_one(arm: Arm, rows: np.ndarray, starts: int, seed: int, say: Callable[[int], None] | None = None) -> np.ndarray:
+def one_by_one(
+    arm: Arm, rows: np.ndarray, starts: int, seed: int, say: Callable[[int], None] | None = None
+) -> np.ndarray:
     """Rms (C,) of rows (C, 5): rate, rest, tension, longest, mass; inf where no start kept the limits."""
     rng = np.random.default_rng(seed)
     low, high = np.array(BOUNDS).T

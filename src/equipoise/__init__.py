@@ -170,6 +170,12 @@ _HOME = {
     "grade": "parts",
     "grades": "parts",
     "preferred_sizes": "parts",
+    "Catalogue": "parts.catalogue",
+    "MakeableGrid": "parts.grid",
+    "Pick": "parts.request",
+    "read_catalogue": "parts.importer",
+    "pick": "verbs.pick",
+    "survey_catalogue": "verbs.survey",
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
@@ -198,6 +204,7 @@ __all__ = [
     "Cam",
     "CamWithSpring",
     "Case",
+    "Catalogue",
     "Claim",
     "Coil",
     "Comparing",
@@ -244,6 +251,7 @@ __all__ = [
     "Link",
     "LoopError",
     "Machine",
+    "MakeableGrid",
     "MassCap",
     "Mechanism",
     "Mesh",
@@ -252,6 +260,7 @@ __all__ = [
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pick",
     "Pinion",
     "Plate",
     "Platform",
@@ -334,9 +343,11 @@ __all__ = [
     "parallelogram_arm",
     "parallelogram_robot",
     "payload_rule",
+    "pick",
     "platform_measure",
     "point_masses",
     "preferred_sizes",
+    "read_catalogue",
     "report",
     "reproduce",
     "rrr3",
@@ -348,6 +359,7 @@ __all__ = [
     "stiffness",
     "substitute",
     "survey",
+    "survey_catalogue",
     "tolerance",
     "verify",
     "wrench_matrix",
@@ -495,6 +507,10 @@ if TYPE_CHECKING:
         grades,
         preferred_sizes,
     )
+    from equipoise.parts.catalogue import Catalogue
+    from equipoise.parts.grid import MakeableGrid
+    from equipoise.parts.importer import read_catalogue
+    from equipoise.parts.request import Pick
     from equipoise.problem import Problem, load_problem
     from equipoise.sag import Sag, sag_tension
     from equipoise.scattering import Scatter, Tolerance, tolerance
@@ -509,8 +525,10 @@ if TYPE_CHECKING:
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.geometry_map import geometry_map
+    from equipoise.verbs.pick import pick
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
     from equipoise.verbs.side_by_side import side_by_side
+    from equipoise.verbs.survey import survey_catalogue
     from equipoise.verbs.verify import verify

@@ -37,7 +37,9 @@ Json = Annotated[bool, typer.Option("--json", help="Print machine output on stdo
 Out = Annotated[Path | None, typer.Option("--out", help="Folder to write to.")]
 Catalogue = Annotated[Path | None, typer.Option("--catalogue", help="CSV of springs; without it, what can be wound.")]
 Units = Annotated[str | None, typer.Option("--units", help="Of columns that say none: metric or inch.")]
-Columns = Annotated[list[str] | None, typer.Option("--column", help="What a column is: rate='Spring Rate'. Repeatable.")]
+Columns = Annotated[
+    list[str] | None, typer.Option("--column", help="What a column is: rate='Spring Rate'. Repeatable.")
+]
 Parallel = Annotated[int | None, typer.Option("--parallel", min=1, help="How many of a part may act side by side.")]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the search; the same seed, the same design.")]
 Starts = Annotated[int | None, typer.Option("--starts", min=1, help="Starts of the search.")]
@@ -196,7 +198,11 @@ def pick(
     from_file, problem, stopped = found_design(file, "pick")
     request = requested(problem, catalogue, units, column or (), parallel)
     out = out or _default_out(problem)
-    return _reported(from_file, problem, json, out, stopped) if stopped else _picked(from_file, problem, request, json, out, seed)
+    return (
+        _reported(from_file, problem, json, out, stopped)
+        if stopped
+        else _picked(from_file, problem, request, json, out, seed)
+    )
 
 
 @app.command()

@@ -79,16 +79,16 @@ def write_problem(problem: Problem, path: Path) -> None:
 def _rooted(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The same content with a robot file's path absolute, for the file moves to another folder."""
     mechanism = content.get("mechanism")
-    if isinstance(mechanism, Mapping) and isinstance(model := mechanism.get("model"), str):
-        if not model.startswith("package:"):
-            content["mechanism"] = {**mechanism, "model": str((folder / model).resolve())}
+    model = mechanism.get("model") if isinstance(mechanism, Mapping) else None
+    if isinstance(model, str) and not model.startswith("package:"):
+        content["mechanism"] = {**mechanism, "model": str((folder / model).resolve())}
     return content
 
 
 def surveyed(problem: Problem, request: Pick, spring: str | None, out: Path, seed: int | None) -> tuple[Ranking, bool]:
     """Every row of the catalogue optimised, on disk as it is finished; whether Ctrl-C cut it short."""
     from equipoise.parameters import unit_of
-    from equipoise.verbs.survey import survey
+    from equipoise.verbs.survey import survey_catalogue
 
     catalogue, removed = request.table()
     for words, count in removed.items():
@@ -111,7 +111,7 @@ def surveyed(problem: Problem, request: Pick, spring: str | None, out: Path, see
         say(f"{len(done)} candidates were finished before; going on from there")
     unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("survey", "candidates", unit) as progress:
-        found = survey(
+        found = survey_catalogue(
             problem.mechanism,
             problem.balancers,
             problem.sweep,

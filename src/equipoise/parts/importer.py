@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
@@ -115,7 +115,9 @@ def _read(path: Path, columns: dict[str, str], system: str | None) -> _Table:
     place, units = _columns(name, header, columns)
     body, lines = parsed[1:], [number for number, _ in kept[1:]]
     if body and _is_units(body[0], place):
-        units |= {key: unit for key, i in place.items() if i < len(body[0]) and (unit := unit_of(body[0][i], KINDS[key]))}
+        units |= {
+            key: unit for key, i in place.items() if i < len(body[0]) and (unit := unit_of(body[0][i], KINDS[key]))
+        }
         body, lines = body[1:], lines[1:]
     if not body:
         raise InputError("the catalogue has no rows", where=name)
@@ -233,9 +235,7 @@ def _numbers(table: _Table, key: str) -> Array:
             if said is None:
                 table.refuse(f"{match.group(2)!r} is no unit of a {kind}", row, key)
             if said != unit:
-                table.refuse(
-                    f"mixed units: {cell!r} in a column in {unit}", row, key, "write one column in one unit"
-                )
+                table.refuse(f"mixed units: {cell!r} in a column in {unit}", row, key, "write one column in one unit")
         found[row] = number * FACTORS[unit]
     return found
 
@@ -268,7 +268,11 @@ def _insist(table: _Table, key: str, values: Array) -> None:
     bad = np.flatnonzero(~(values > 0))
     if len(bad):
         value = values[bad[0]]
-        said = "is empty" if np.isnan(value) else f"is {value / FACTORS[table.units.get(key, '')]:.4g}, it must be positive"
+        said = (
+            "is empty"
+            if np.isnan(value)
+            else f"is {value / FACTORS[table.units.get(key, '')]:.4g}, it must be positive"
+        )
         table.refuse(f"the {_words(key)} {said}{_more(bad)}", bad[0], key, "check sign and unit")
 
 
@@ -321,9 +325,10 @@ class _Made:
         travel = np.nanmin(np.where(np.isfinite(ways), ways, np.nan), axis=0)
         self._insist_on_travel(travel, ways)
         mass, remarks = self._mass(diameter)
+        width = np.where(np.isnan(n["outside"]), diameter + n["wire"], n["outside"])
         return Catalogue(
             name=self.table.name, part=self.part, form=self.forms, rate=n["rate"], free_length=n["free_length"],
-            initial_tension=tension, travel=travel, mass=mass, width=np.where(np.isnan(n["outside"]), diameter + n["wire"], n["outside"]),
+            initial_tension=tension, travel=travel, mass=mass, width=width,
             line=np.array(self.table.lines), remarks=(*remarks, *self._doubts(diameter)),
         )  # fmt: skip
 

@@ -23,7 +23,7 @@ def plain(part: Part) -> dict[str, dict[str, Any]]:
 
 
 def with_parts(content: Mapping[str, Any], parts: Mapping[str, Part], bounds: Mapping[str, Sequence[float]]) -> dict:
-    """A problem's content with parts {spring: part} for laws, and what stays free; nothing is asked to be picked again."""
+    """A problem's content with parts {spring: part} for laws, and what stays free; no part is asked for again."""
     new = copy.deepcopy(dict(content))
     new.pop("pick", None)
     new.pop("start", None)

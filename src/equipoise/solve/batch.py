@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,33 +78,33 @@ class _Here:
         return (self.residual**2).sum(-1) + PRICE * self.beyond
 
 
-def fit(
-    many: Many, lower: Array, upper: Array, gamma: Array, theta: Array, load: float, steps: int = STEPS
-) -> Fitted:
+Measure = Callable[[Which, Array], _Here]
+
+
+def fit(many: Many, lower: Array, upper: Array, gamma: Array, theta: Array, load: float, steps: int = STEPS) -> Fitted:
     """Least squares of every candidate's residual over its geometry and unknowns, limits kept, all at once.
 
         min sum_i r_i(gamma, theta)^2   subject to   g(gamma, theta) <= 0,   lower <= (gamma, theta) <= upper
 
     lower, upper (G + P,); gamma (C, G) and theta (C, P) are where each begins; load makes residuals relative. Every
-    step solves a small elastic quadratic program in a trust region, with slopes by differences, which are three times as
-    fast as exact ones and whose error the exact judgement of every step takes out, and the curvature of Gauss-Newton plus what the slopes were seen to change by (the structured secant update of Dennis, Gay
-    and Welsch, unsourced); where curvature spoils it, it is bent by what it missed and tried again. Candidates are
-    independent: the answer of one does not depend on the others. A few steps tell good beginnings from bad ones.
+    step solves a small elastic quadratic program in a trust region. Its slopes are differences, three times as fast as
+    exact ones, for every step is judged by its true residual; its curvature is Gauss-Newton's plus what the slopes
+    were seen to change by (the structured secant update of Dennis, Gay and Welsch, unsourced). Where curvature spoils a
+    step, the model is bent by what it missed and solved again. Candidates are independent: the answer of one does not
+    depend on the others. A few steps tell good beginnings from bad ones.
     """
     count, free = gamma.shape
     x = np.clip(np.hstack([gamma, theta]), lower, upper)
-    span = upper - lower
-    here = _measure(many, np.arange(count), x, free, load, span)
+    measure = partial(_measure, many, free, load, upper - lower)
+    here = measure(np.arange(count), x)
     if x.shape[1]:
-        _descend(many, x, here, free, load, (lower, upper), span, steps)
+        _descend(measure, x, here, (lower, upper), steps)
     return Fitted(x[:, :free], x[:, free:], np.sqrt((here.residual**2).sum(-1)) * load, here.beyond)
 
 
-def _descend(
-    many: Many, x: Array, here: _Here, free: int, load: float, box: tuple[Array, Array], span: Array, steps: int
-) -> None:
+def _descend(measure: Measure, x: Array, here: _Here, box: tuple[Array, Array], steps: int) -> None:
     """Steps of all candidates, in place, until each stands still."""
-    count, V = x.shape
+    (count, V), span = x.shape, box[1] - box[0]
     turn, radius, merit = np.zeros((count, V, V)), np.full(count, RADIUS), here.merit
     missed = _Here(*(np.zeros_like(part) for part in here.parts))
     bent = np.zeros(count, dtype=bool)
@@ -120,7 +121,7 @@ def _descend(
         if not len(active):
             return
         there = np.clip(x[active] + move, *box)
-        trial = _measure(many, active, there, free, load, span)
+        trial = measure(active, there)
         gain = merit[active] - trial.merit
         ratio = gain / np.maximum(predicted, 1e-300)
         better = (gain > 0) & (ratio > 0.02)
@@ -135,7 +136,11 @@ def _descend(
         length = (np.abs(move) / np.minimum(span, OPEN * unit)).max(axis=1)
         radius[active] = np.where(
             better,
-            np.where(ratio > 0.7, np.maximum(radius[active], 2.5 * length), np.where(ratio > 0.25, radius[active], length / 2)),
+            np.where(
+                ratio > 0.7,
+                np.maximum(radius[active], 2.5 * length),
+                np.where(ratio > 0.25, radius[active], length / 2),
+            ),
             np.where(bent[active], np.minimum(radius[active], length) / 4, radius[active]),
         )
         bent[active] = again
@@ -151,9 +156,7 @@ def _unit(here: _Here, span: Array) -> Array:
     return np.minimum(1.0 / np.maximum(slope, 1e-12), span)
 
 
-def _step(
-    here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Array, Array]
-) -> tuple[Array, Array]:
+def _step(here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Array, Array]) -> tuple[Array, Array]:
     """The move (K, V) that the elastic quadratic program asks for, and the merit it predicts to gain (K,)."""
     J = here.slope * unit[:, None, :]
     A, excess = _near(here.steepness * unit[:, None, :], here.excess + missed.excess, reach)
@@ -228,7 +231,7 @@ def _turned(S: Array, step: Array, old: _Here, new: _Here) -> Array:
     return np.where(sound[:, None, None], size[:, None, None] * S + grown, S)
 
 
-def _measure(many: Many, which: Which, x: Array, free: int, load: float, span: Array) -> _Here:
+def _measure(many: Many, free: int, load: float, span: Array, which: Which, x: Array) -> _Here:
     """Residuals and limits of candidates at x (K, G + P), with their slopes."""
     count, P, copies = len(which), x.shape[1] - free, free + 1
     shifts = np.vstack([np.zeros(free), np.diag(NUDGE * span[:free])])
@@ -255,8 +258,8 @@ def _measure(many: Many, which: Which, x: Array, free: int, load: float, span: A
     for rows in program.rows:
         G, h = full(rows.G, 2), full(rows.h, 1)
         g = ((G @ tiled[:, 0])[..., 0] if P else 0.0) - h
-        for sign in (1.0, -1.0) if rows.equality else (1.0,):
-            limits.append(sloped(sign * g / rows.scale, sign * G / rows.scale))
+        signs = (1.0, -1.0) if rows.equality else (1.0,)
+        limits += [sloped(sign * g / rows.scale, sign * G / rows.scale) for sign in signs]
     none = np.zeros((count, 0)), np.zeros((count, 0, x.shape[1]))
     residual, slope = (np.concatenate(parts, axis=1) for parts in zip(*residuals, strict=True))
     excess, steepness = (np.concatenate(parts, axis=1) for parts in zip(*(limits or [none]), strict=True))

@@ -17,8 +17,8 @@ def quadratic(H: Array, q: Array, G: Array, h: Array, start: Array, dual: Array)
     """z (K, n) of min z'Hz/2 + q'z subject to G z <= h, one problem per row.
 
     H (K, n, n) positive definite, q (K, n), G (K, m, n), h (K, m), scaled so that entries are of order one; start
-    (K, n) is where it begins, dual (K, m) > 0 what the multipliers are about. The constraints must leave an interior, as
-    elastic ones do. Mehrotra's predictor and corrector (unsourced).
+    (K, n) is where it begins, dual (K, m) > 0 what the multipliers are about. The constraints must leave an interior,
+    as elastic ones do. Mehrotra's predictor and corrector (unsourced).
     """
     z, dual = start.copy(), dual.copy()
     slack = np.maximum(h - (G @ z[..., None])[..., 0], 1e-3)

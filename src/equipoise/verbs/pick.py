@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from equipoise.parts.ranking import Line, Ranking
 from equipoise.parts.request import Pick
 from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import shape
-from equipoise.verbs.survey import fittings, survey
+from equipoise.verbs.survey import fittings, survey_catalogue
 
 MOST = 400
 """Candidates that are optimised for one spring; the closed form ranks what is left out."""
@@ -96,7 +97,7 @@ def pick(design: Design, request: Pick | None = None, *, seed: int = 0, progress
     """Put a real part in the place of every ideal spring of a design, and shape the geometry around it.
 
     Springs are taken one after another, the one with the most stored energy first; while one is chosen, those not yet
-    chosen stay ideal. For each, every candidate is optimised over the design's free geometry (see `survey`), the best
+    chosen stay ideal. For each, every candidate is optimised over the design's free geometry (see `survey_catalogue`), the best
     few are shaped with the objective's own norm and limits, and the best of those stays. A part's rest length, initial
     tension, working range and own mass all count. Raises InfeasibleError where no candidate keeps the limits, with
     what refused how many.
@@ -110,7 +111,8 @@ def pick(design: Design, request: Pick | None = None, *, seed: int = 0, progress
         free |= {f"{name}.law.leader": request.leader for name in names}
     choices, found = [], design
     for name in names:
-        found, balancers, choice = _one(found, balancers, free, name, catalogue, removed, request, seed, progress)
+        search = _Search(found, balancers, free, catalogue, removed, request.parallel, request.keep, seed)
+        found, balancers, choice = search.best(name, progress)
         choices.append(choice)
     return Picked(found, design, tuple(choices))
 
@@ -122,7 +124,9 @@ def _chosen(design: Design, request: Pick) -> list[str]:
     known = [spring.name for spring in ideal]
     for name in request.springs or ():
         if name not in known:
-            raise InputError(f"there is no ideal spring {name!r} along a length", where="pick", hint=nearest(name, known))
+            raise InputError(
+                f"there is no ideal spring {name!r} along a length", where="pick", hint=nearest(name, known)
+            )
     wanted = [spring for spring in ideal if request.springs is None or spring.name in request.springs]
     if not wanted:
         raise InputError(
@@ -134,58 +138,64 @@ def _chosen(design: Design, request: Pick) -> list[str]:
     return [spring.name for spring in sorted(wanted, key=lambda spring: -energy[spring.name])]
 
 
-def _one(
-    design: Design,
-    balancers: Sequence[Balancer],
-    free: Mapping[str, tuple[float, float]],
-    name: str,
-    catalogue: Catalogue,
-    removed: Mapping[str, int],
-    request: Pick,
-    seed: int,
-    progress: Progress | None,
-) -> tuple[Design, tuple[Balancer, ...], Choice]:
-    """The best part for one spring."""
-    own = [key for key in free if not _of_a_law(key, balancers, name)]
-    shown = None if progress is None else lambda done, count, best: progress(name, done, count, best)
-    ranking = survey(
-        design.mechanism,
-        balancers,
-        design.sweep,
-        {key: free[key] for key in own},
-        catalogue,
-        spring=name,
-        parallel=request.parallel,
-        most=MOST,
-        objective=design.objective,
-        limits=design.limits,
-        seed=seed,
-        progress=shown,
-    )
-    if not ranking.ranked:
-        raise InfeasibleError(_none_left(name, ranking), where=f"spring {name}", hint=_nearest_miss(ranking))
-    tried: list[tuple[Line, float, Design, tuple[Balancer, ...]]] = []
-    failed: list[str] = []
-    for line in _apart(ranking.ranked, request.keep):
-        placed = tuple(_placed(ranking, line, balancers, name))
-        try:
-            made = _shaped(design, placed, {key: free[key] for key in own if _readable(placed, key)})
-        except EquipoiseError as error:
-            failed.append(str(error))
-            continue
-        tried.append((line, made.certificate.primal, made, write(placed, made.geometry)))
-    if not tried:
-        raise InfeasibleError(
-            f"the best {len(failed)} candidates for {name} fail: {failed[0]}", where="pick", hint="raise `keep`"
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What stands when one more spring is to get its part."""
+
+    design: Design
+    balancers: Sequence[Balancer]
+    free: Mapping[str, tuple[float, float]]
+    catalogue: Catalogue
+    removed: Mapping[str, int]
+    parallel: int
+    keep: int
+    seed: int
+
+    def best(self, name: str, progress: Progress | None) -> tuple[Design, tuple[Balancer, ...], Choice]:
+        """The best part for one spring: the design and the balancers with it, and how it was chosen."""
+        free = {key: ends for key, ends in self.free.items() if not _of_a_law(key, self.balancers, name)}
+        ranking = self._ranking(name, free, progress)
+        if not ranking.ranked:
+            raise InfeasibleError(_none_left(name, ranking), where=f"spring {name}", hint=_nearest_miss(ranking))
+        tried: list[tuple[Line, Design, tuple[Balancer, ...]]] = []
+        failed: list[str] = []
+        for line in _apart(ranking.ranked, self.keep):
+            placed = tuple(_placed(ranking, line, self.balancers, name))
+            open_ones = {key: ends for key, ends in free.items() if _readable(placed, key)}
+            try:
+                made = _shaped(self.design, placed, open_ones)
+            except EquipoiseError as error:
+                failed.append(str(error))
+            else:
+                tried.append((line, made, write(placed, made.geometry)))
+        if not tried:
+            told = f"the best {len(failed)} candidates for {name} fail: {failed[0]}"
+            raise InfeasibleError(told, where="pick", hint="raise `keep`")
+        tried.sort(key=lambda entry: (entry[1].certificate.primal, entry[0].number))
+        line, made, placed = tried[0]
+        order = self.catalogue.spring(ranking.row(line), line.number).order_line()
+        beside = tuple((other, design.certificate.primal) for other, design, _ in tried)
+        return made, placed, Choice(name, line, order, ranking, beside, self.removed)
+
+    def _ranking(self, name: str, free: Mapping[str, tuple[float, float]], progress: Progress | None) -> Ranking:
+        return survey_catalogue(
+            self.design.mechanism,
+            self.balancers,
+            self.design.sweep,
+            free,
+            self.catalogue,
+            spring=name,
+            parallel=self.parallel,
+            most=MOST,
+            objective=self.design.objective,
+            limits=self.design.limits,
+            seed=self.seed,
+            progress=None if progress is None else partial(progress, name),
         )
-    line, _, made, placed = min(tried, key=lambda entry: (entry[1], entry[0].number))
-    order = catalogue.spring(ranking.row(line), line.number).order_line()
-    beside = tuple((other, value) for other, value, _, _ in sorted(tried, key=lambda entry: entry[1]))
-    return made, placed, Choice(name, line, order, ranking, beside, removed)
 
 
 def _of_a_law(key: str, balancers: Sequence[Balancer], name: str) -> bool:
-    """Whether a free parameter belongs to a law that a part replaces; of a law's leader only the chosen spring's stays."""
+    """Whether a free parameter belongs to a law that a part replaces; leaders stay, of this spring and of parts."""
     head, _, rest = key.partition(".")
     if rest == "law.leader":
         return head != name and not any(b.name == head and isinstance(getattr(b, "law", None), Part) for b in balancers)
