@@ -235,7 +235,7 @@ def _measure(many: Many, free: int, load: float, span: Array, which: Which, x: A
     """Residuals and limits of candidates at x (K, G + P), with their slopes."""
     count, P, copies = len(which), x.shape[1] - free, free + 1
     shifts = np.vstack([np.zeros(free), np.diag(NUDGE * span[:free])])
-    gamma = (x[:, None, :free] + shifts).reshape(-1, free)
+    gamma = (x[:, None, :free] + shifts).reshape(count * copies, free)
     program = many(np.repeat(which, copies), gamma)
     tiled = np.repeat(x[:, free:], copies, axis=0)[:, None, :, None]
 
