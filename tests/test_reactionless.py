@@ -177,3 +177,33 @@ def test_side_by_side(both_ways):
     assert "shaking moment, peak [N m]" in str(table)
     with pytest.raises(eq.InputError, match="no design"):
         eq.side_by_side({})
+
+
+def flat_weights():
+    reaches = {"crank": 0.05, "rocker": 0.0625}
+    return [eq.Counterweight(f"w_{b}", eq.Point(b), reach=reach, shape=eq.Plate()) for b, reach in reaches.items()]
+
+
+def test_the_front_of_force_moment_and_torque_against_mass(bar):
+    turn = eq.Sweep.motion(bar, {"crank_joint": "2*pi*t/T"}, duration=0.12)
+    aims = [eq.Aim(goal, divisor="before") for goal in ("force", "moment", "drive")]
+    found = eq.front(bar, flat_weights(), turn, objective=aims, caps=(0.25, 0.5, 0.75, 1.5))
+    sums = [0.64194 + 0.98137 + 1.00870, 0.54662 + 0.77064 + 1.09745, 2.24210952, 0.43527 + 0.35179 + 1.16068]
+    np.testing.assert_allclose([step.value for step in found.steps], sums, atol=2e-5)
+    assert found.steps[2].value == pytest.approx(2.24210952, abs=1e-8)
+    for step in found.steps:
+        assert 0 <= step.value - step.dual < 1e-8
+    slopes = np.diff([step.value for step in found.steps]) / np.diff([step.cap for step in found.steps])
+    prices = [-step.price for step in found.steps]
+    assert all(first <= slope <= last for first, slope, last in zip(prices, slopes, prices[1:], strict=False))
+
+
+def test_the_front_of_moment_against_mass_begins_at_force_balance(bar):
+    turn = eq.Sweep.motion(bar, {"crank_joint": "2*pi*t/T"}, duration=0.12, samples=121)
+    found = eq.front(bar, flat_weights(), turn, objective=eq.Aim("moment"), limits=[eq.Balanced("force")], points=4)
+    assert found.least == pytest.approx(0.75, rel=1e-6)
+    assert found.steps[0].value == pytest.approx(5.78867, rel=1e-3)
+    assert all(b.value < a.value for a, b in zip(found.steps, found.steps[1:], strict=False))
+    assert "0.7500 kg at least" in str(found)
+    with pytest.raises(eq.InfeasibleError, match=r"ask for 0\.75 at least"):
+        eq.front(bar, flat_weights(), turn, objective=eq.Aim("moment"), limits=[eq.Balanced("force")], caps=[0.5])

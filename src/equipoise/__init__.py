@@ -47,6 +47,9 @@ _HOME = {
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
     "Scatter": "scattering",
+    "Friction": "friction",
+    "DeadBand": "rubbing",
+    "dead_band": "rubbing",
     "Tolerance": "scattering",
     "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
@@ -100,6 +103,16 @@ _HOME = {
     "SpringIndex": "limits",
     "Extension": "limits",
     "Aim": "objective",
+    "Discover": "discovery.request",
+    "KeepOut": "discovery.lattice",
+    "Discovery": "discovery.front",
+    "Ideal": "discovery.kinds",
+    "Coils": "discovery.kinds",
+    "ConstantForce": "discovery.kinds",
+    "GasStruts": "discovery.kinds",
+    "TorsionSprings": "discovery.kinds",
+    "Counterweights": "discovery.kinds",
+    "discover": "verbs.discover",
     "Design": "design",
     "chain": "models.chain",
     "DrumWithTorsion": "make",
@@ -137,6 +150,11 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "reactionless_motion": "verbs.reactionless",
+    "ReactionlessMotion": "verbs.reactionless",
+    "spin_form": "spins",
+    "front": "verbs.front",
+    "Front": "verbs.front",
     "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
@@ -207,12 +225,14 @@ __all__ = [
     "Catalogue",
     "Claim",
     "Coil",
+    "Coils",
     "Comparing",
     "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
     "ConstantEnergy",
+    "ConstantForce",
     "ConstantForceCam",
     "ConstantForceSpring",
     "ConstantPressure",
@@ -220,11 +240,15 @@ __all__ = [
     "Convex",
     "CounterRotor",
     "Counterweight",
+    "Counterweights",
     "Curvature",
     "Cycloidal",
+    "DeadBand",
     "Design",
     "DisagreementError",
     "Disc",
+    "Discover",
+    "Discovery",
     "Drive",
     "Drum",
     "DrumWithTorsion",
@@ -238,13 +262,18 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Friction",
+    "Front",
     "Gas",
     "GasSpring",
+    "GasStruts",
     "Gear",
     "HydroPneumatic",
+    "Ideal",
     "InfeasibleError",
     "InputError",
     "InvertedSliderCrank",
+    "KeepOut",
     "Length",
     "Line",
     "Linear",
@@ -273,6 +302,7 @@ __all__ = [
     "ProblemError",
     "Profile",
     "Pulley",
+    "ReactionlessMotion",
     "Reel",
     "Sag",
     "Scatter",
@@ -296,6 +326,7 @@ __all__ = [
     "Tolerance",
     "Torsion",
     "TorsionSpring",
+    "TorsionSprings",
     "Transmission",
     "Unknown",
     "Weight",
@@ -319,7 +350,9 @@ __all__ = [
     "closure",
     "compare",
     "conditions",
+    "dead_band",
     "delta",
+    "discover",
     "distribute",
     "equilibria",
     "exact_mean",
@@ -328,6 +361,7 @@ __all__ = [
     "feasible",
     "five_bar",
     "four_bar",
+    "front",
     "gas_cylinder",
     "geometry_map",
     "grade",
@@ -347,6 +381,7 @@ __all__ = [
     "platform_measure",
     "point_masses",
     "preferred_sizes",
+    "reactionless_motion",
     "read_catalogue",
     "report",
     "reproduce",
@@ -355,6 +390,7 @@ __all__ = [
     "shape",
     "side_by_side",
     "slider_crank",
+    "spin_form",
     "spline_floor",
     "stiffness",
     "substitute",
@@ -442,6 +478,17 @@ if TYPE_CHECKING:
     from equipoise.claim import Claim
     from equipoise.comparing import Comparing
     from equipoise.design import Design
+    from equipoise.discovery.front import Discovery
+    from equipoise.discovery.kinds import (
+        Coils,
+        ConstantForce,
+        Counterweights,
+        GasStruts,
+        Ideal,
+        TorsionSprings,
+    )
+    from equipoise.discovery.lattice import KeepOut
+    from equipoise.discovery.request import Discover
     from equipoise.errors import (
         DisagreementError,
         EquipoiseError,
@@ -451,6 +498,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
+    from equipoise.friction import Friction
     from equipoise.limits import (
         Balanced,
         Convex,
@@ -512,8 +560,10 @@ if TYPE_CHECKING:
     from equipoise.parts.importer import read_catalogue
     from equipoise.parts.request import Pick
     from equipoise.problem import Problem, load_problem
+    from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
     from equipoise.scattering import Scatter, Tolerance, tolerance
+    from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
@@ -524,8 +574,11 @@ if TYPE_CHECKING:
     from equipoise.verbs.balance import balance
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
+    from equipoise.verbs.discover import discover
+    from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.pick import pick
+    from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from equipoise.cables.behaviour import Behaviour
     from equipoise.machinery import Machine
     from equipoise.make.synthesis import Part as MadePart
+    from equipoise.rubbing import DeadBand
     from equipoise.scattering import Tolerance
     from equipoise.verification.findings import Verification
 
@@ -103,7 +104,8 @@ class Design:
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
     whose poses were found between the samples; problem is the file it came from, where there was one; settings say
     what is adjusted from case to case, where a design serves several; cables says how a cable platform behaves with
-    its springs, made are the cams and drums cut for them; tolerance says how it scatters when parts are as they come.
+    its springs, made are the cams and drums cut for them; tolerance says how it scatters when
+    parts are as they come, dead_band what friction covers.
     """
 
     mechanism: Mechanism
@@ -127,6 +129,7 @@ class Design:
     made: tuple[MadePart, ...] = ()
     settings: Settings | None = None
     tolerance: Tolerance | None = None
+    dead_band: DeadBand | None = None
 
     @property
     def norm(self) -> str:
@@ -247,6 +250,7 @@ class Design:
             "made": [part.facts() for part in self.made],
             "settings": self.settings.json() if self.settings else None,
             "tolerance": self.tolerance.json() if self.tolerance else None,
+            "dead_band": self.dead_band.json() if self.dead_band else None,
             "cite": self.cite(),
         }
 

@@ -20,10 +20,11 @@ RESULTS = ("before ", "after ", "payload ")
 
 def held(mechanism: Mechanism) -> Array:
     """Reference positions of the driven joints (nd,), brought inside their limits."""
-    reference = mechanism.reference[mechanism.model.jnt_qposadr[mechanism.driven_ids]]
-    box = mechanism.box
-    low, high = np.where(np.isnan(box[:, 0]), -np.inf, box[:, 0]), np.where(np.isnan(box[:, 1]), np.inf, box[:, 1])
-    return np.clip(reference, low, high)
+    model, joints = mechanism.model, mechanism.driven_ids
+    reference = mechanism.reference[model.jnt_qposadr[joints]]
+    limited = model.jnt_limited[joints].astype(bool)
+    low, high = model.jnt_range[joints].T
+    return np.clip(reference, np.where(limited, low, -np.inf), np.where(limited, high, np.inf))
 
 
 def read_columns(mechanism: Mechanism, path: Path, own: Mapping[str, str]) -> dict[str, Array]:

@@ -62,16 +62,17 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     return _settled(mechanism, branch, evaluate, postures)
 
 
-def tighten_loops(mechanism: Mechanism, near: Array) -> tuple[Array, Array]:
+def tighten_loops(mechanism: Mechanism, near: Array, turns: int | None = None) -> tuple[Array, Array]:
     """As `close_loops`, for postures near (N, nq) that are closed but for rounding or small steps.
 
-    The driven joints stay where near has them; Newton's steps move the others, and near names the branch of each
-    pose by itself. Raises LoopError for a pose that does not close, or closes within the margin of a singularity.
+    The driven joints stay where near has them; Newton's steps (`turns`: two suffice for rounding) move the others, and
+    near names the branch of each pose by itself. Raises LoopError for a pose that does not close, or closes within
+    the margin of a singularity.
     """
     branch = branch_of(mechanism)
     if branch is None:
         return near, selection_of(mechanism)
-    return _settled(mechanism, branch, evaluator_of(mechanism), near)
+    return _settled(mechanism, branch, evaluator_of(mechanism), near, turns)
 
 
 def selection_of(mechanism: Mechanism) -> Array:
@@ -82,14 +83,16 @@ def selection_of(mechanism: Mechanism) -> Array:
     return selection
 
 
-def _settled(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, near: Array) -> tuple[Array, Array]:
+def _settled(
+    mechanism: Mechanism, branch: Branch, evaluate: Evaluator, near: Array, turns: int | None = None
+) -> tuple[Array, Array]:
     """Postures refined to rounding, and their transmission."""
     driven = near[:, mechanism.model.jnt_qposadr[mechanism.driven_ids]]
     selection = selection_of(mechanism)
     q, transmission = near.copy(), np.repeat(selection, len(near), axis=0)
     for first in range(0, len(near), _CHUNK):
         part = slice(first, first + _CHUNK)
-        closed = refined(mechanism, branch, evaluate, near[part], driven[part])
+        closed = refined(mechanism, branch, evaluate, near[part], driven[part], turns)
         q[part] = closed.q
         transmission[part] += transmission_of(branch, closed, selection.shape)
     return q, transmission
@@ -196,10 +199,17 @@ def _followed(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, origin:
     return result[back.ravel()]
 
 
-def refined(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+def refined(
+    mechanism: Mechanism,
+    branch: Branch,
+    evaluate: Evaluator,
+    postures: Array,
+    driven: Array,
+    turns: int | None = None,
+) -> Closed:
     """Postures closed to rounding; raises LoopError for one that stays open, or closes too near a singularity."""
     # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
-    turns = 2 if branch.curved.all() else 8
+    turns = turns or (2 if branch.curved.all() else 8)
     closed = branch.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
     worst = int(np.argmax(closed.worst))
     if closed.worst[worst] > _ROUNDING:

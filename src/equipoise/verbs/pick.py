@@ -97,9 +97,9 @@ def pick(design: Design, request: Pick | None = None, *, seed: int = 0, progress
     """Put a real part in the place of every ideal spring of a design, and shape the geometry around it.
 
     Springs are taken one after another, the one with the most stored energy first; while one is chosen, those not yet
-    chosen stay ideal. For each, every candidate is optimised over the design's free geometry (`survey_catalogue`), the
-    best few are shaped with the objective's own norm and limits, and the best of those stays. A part's rest length,
-    initial tension, working range and own mass all count. Raises InfeasibleError where no candidate keeps the limits, with
+    chosen stay ideal. For each, every candidate is optimised over the design's free geometry, the best few are shaped
+    with the objective's own norm and limits, and the best of those stays. A part's rest length, initial tension,
+    working range and own mass all count. Raises InfeasibleError where no candidate keeps the limits, with
     what refused how many.
     """
     request = request or Pick()
