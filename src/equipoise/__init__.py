@@ -188,6 +188,12 @@ _HOME = {
     "grade": "parts",
     "grades": "parts",
     "preferred_sizes": "parts",
+    "Catalogue": "parts.catalogue",
+    "MakeableGrid": "parts.grid",
+    "Pick": "parts.request",
+    "read_catalogue": "parts.importer",
+    "pick": "verbs.pick",
+    "survey_catalogue": "verbs.survey",
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
@@ -216,6 +222,7 @@ __all__ = [
     "Cam",
     "CamWithSpring",
     "Case",
+    "Catalogue",
     "Claim",
     "Coil",
     "Coils",
@@ -273,6 +280,7 @@ __all__ = [
     "Link",
     "LoopError",
     "Machine",
+    "MakeableGrid",
     "MassCap",
     "Mechanism",
     "Mesh",
@@ -281,6 +289,7 @@ __all__ = [
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pick",
     "Pinion",
     "Plate",
     "Platform",
@@ -368,10 +377,12 @@ __all__ = [
     "parallelogram_arm",
     "parallelogram_robot",
     "payload_rule",
+    "pick",
     "platform_measure",
     "point_masses",
     "preferred_sizes",
     "reactionless_motion",
+    "read_catalogue",
     "report",
     "reproduce",
     "rrr3",
@@ -384,6 +395,7 @@ __all__ = [
     "stiffness",
     "substitute",
     "survey",
+    "survey_catalogue",
     "tolerance",
     "verify",
     "wrench_matrix",
@@ -543,6 +555,10 @@ if TYPE_CHECKING:
         grades,
         preferred_sizes,
     )
+    from equipoise.parts.catalogue import Catalogue
+    from equipoise.parts.grid import MakeableGrid
+    from equipoise.parts.importer import read_catalogue
+    from equipoise.parts.request import Pick
     from equipoise.problem import Problem, load_problem
     from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
@@ -561,9 +577,11 @@ if TYPE_CHECKING:
     from equipoise.verbs.discover import discover
     from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
+    from equipoise.verbs.pick import pick
     from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
     from equipoise.verbs.side_by_side import side_by_side
+    from equipoise.verbs.survey import survey_catalogue
     from equipoise.verbs.verify import verify

@@ -16,6 +16,7 @@ from equipoise.errors import DisagreementError, InputError, nearest
 if TYPE_CHECKING:
     from equipoise.design import Design
     from equipoise.discovery.front import Discovery
+    from equipoise.parts.request import Pick
     from equipoise.problem import Problem
     from equipoise.solve.program import Norm
     from equipoise.verbs.adjust import Adjusted
@@ -35,6 +36,12 @@ Made = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print machine output on stdout, and nothing else there.")]
 Out = Annotated[Path | None, typer.Option("--out", help="Folder to write to.")]
+Catalogue = Annotated[Path | None, typer.Option("--catalogue", help="CSV of springs; without it, what can be wound.")]
+Units = Annotated[str | None, typer.Option("--units", help="Of columns that say none: metric or inch.")]
+Columns = Annotated[
+    list[str] | None, typer.Option("--column", help="What a column is: rate='Spring Rate'. Repeatable.")
+]
+Parallel = Annotated[int | None, typer.Option("--parallel", min=1, help="How many of a part may act side by side.")]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the search; the same seed, the same design.")]
 Starts = Annotated[int | None, typer.Option("--starts", min=1, help="Starts of the search.")]
 
@@ -170,7 +177,68 @@ def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, s
     if problem.cases:
         return _serve(*served(problem, seed, starts), problem, json, out or _default_out(problem), full=True)
     found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
-    return _reported(found, problem, json, out or _default_out(problem), stopped)
+    out = out or _default_out(problem)
+    if problem.content.pick is not None and not stopped:
+        return _picked(found, problem, problem.content.pick, json, out, seed)
+    return _reported(found, problem, json, out, stopped)
+
+
+@app.command()
+@guarded
+def pick(
+    file: Made,
+    *,
+    catalogue: Catalogue = None,
+    units: Units = None,
+    column: Columns = None,
+    parallel: Parallel = None,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+) -> int:
+    """Real parts in the place of ideal springs: from a catalogue, or wound; shaped anew, verified, reported."""
+    from equipoise.picking import requested
+    from equipoise.solving import found_design
+
+    from_file, problem, stopped = found_design(file, "pick")
+    request = requested(problem, catalogue, units, column or (), parallel)
+    out = out or _default_out(problem)
+    return (
+        _reported(from_file, problem, json, out, stopped)
+        if stopped
+        else _picked(from_file, problem, request, json, out, seed)
+    )
+
+
+@app.command()
+@guarded
+def survey(
+    file: File,
+    *,
+    catalogue: Catalogue = None,
+    spring: Annotated[str | None, typer.Option("--spring", help="The spring to find a part for.")] = None,
+    units: Units = None,
+    column: Columns = None,
+    parallel: Parallel = None,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+) -> int:
+    """Every spring of a catalogue at its own best geometry, ranked; goes on where it was stopped."""
+    from equipoise.picking import requested, survey_json, survey_words, surveyed
+    from equipoise.solving import solvable_problem
+
+    problem = solvable_problem(file, "survey")
+    request = requested(problem, catalogue, units, column or (), parallel or 1)
+    folder = out or _default_out(problem)
+    found, stopped = surveyed(problem, request, spring, folder, seed)
+    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    say(survey_words(found, unit, folder))
+    if json:
+        emit(survey_json(found))
+    if stopped:
+        return STOPPED
+    return 0 if found.ranked else 1
 
 
 @app.command()
@@ -217,14 +285,15 @@ def verify(
 @app.command()
 @guarded
 def make(file: Made, json: Json = False, out: Out = None) -> int:
-    """Cams and drums of the file's `make` block: profiles as DXF and CSV, with the wrapped cord simulated."""
+    """Cams and drums of the file's `make` block: profiles as DXF, CSV and SVG, with the wrapped cord simulated."""
+    from equipoise.reporting.plots import draw_part
     from equipoise.solving import made_parts
 
     parts, problem = made_parts(file)
     folder = out or _default_out(problem)
     with staging(folder) as stage:
         assert stage is not None
-        names = [path.name for part in parts for path in part.write(stage)]
+        names = [path.name for part in parts for path in (*part.write(stage), draw_part(part, stage))]
     say("\n".join([*map(str, parts), *(f"file        {folder / name}" for name in names)]))
     if json:
         emit({"parts": [part.facts() for part in parts]})
@@ -366,6 +435,19 @@ def schema() -> int:
 
     emit(whole())
     return 0
+
+
+def _picked(found: Design, problem: Problem, request: Pick, json: bool, out: Path, seed: int | None) -> int:
+    from equipoise.picking import FILE, picked, write_problem
+
+    chosen, real = picked(problem, found, request, seed)
+    with staging(out) as stage:
+        assert stage is not None
+        write_problem(real, stage / FILE)
+        for choice in chosen.choices:
+            (stage / f"candidates_{choice.spring}.csv").write_text(choice.ranking.table(), encoding="utf-8")
+    say(f"{chosen}\n")
+    return _reported(chosen.design, real, json, out, stopped=False)
 
 
 def _told(found: Design, problem: Problem, out: Path | None) -> Design:

@@ -37,9 +37,12 @@ def read_columns(mechanism: Mechanism, path: Path, own: Mapping[str, str]) -> di
         with path.open(newline="", encoding="utf-8-sig") as stream:
             lines = [line for line in csv.reader(stream) if any(cell.strip() for cell in line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"cannot read the poses: {error}", where=str(path)) from None
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"cannot read the file: {reason}", where=str(path), hint="check the path") from None
     if len(lines) < 2:
-        raise InputError("the file has no poses", where=str(path), hint="one header line, then a line per pose")
+        raise InputError(
+            "the file has no rows", where=str(path), hint="one header line, then a line per pose or instant"
+        )
     heads = [_header(cell, mechanism, path, own) for cell in lines[0]]
     columns = {name: np.empty(len(lines) - 1) for name, _ in heads if name}
     for row, line in enumerate(lines[1:]):

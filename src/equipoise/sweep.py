@@ -25,6 +25,8 @@ from equipoise.units import Joint, Length, Mass, Number, Time, to_si
 
 MAX_POSES = 5_000_000
 INSTANTS = 721
+FINER = 2
+"""Gauss points per axis that the finer rule has more."""
 PROBE = 12
 """How many random poses must be in reach before more are tried."""
 
@@ -130,9 +132,14 @@ class Sweep:
             x, w = np.polynomial.legendre.leggauss(n)
             return (lo + hi) / 2 + x * (hi - lo) / 2, w * (hi - lo) / 2
 
+        def finer() -> Sweep:
+            more = {joint: (low, high, int(count) + FINER) for joint, (low, high, count) in axes.items()}
+            return Sweep.quadrature(mechanism, more, payload=payload)
+
         ticks, box = _axes(mechanism, axes, gauss)
         poses, weight = _tensor(ticks)
-        return _with_payload(mechanism, Sweep(poses, weight, f"{len(poses)} Gauss-Legendre points", box), payload)
+        label = f"{len(poses)} Gauss-Legendre points"
+        return _with_payload(mechanism, Sweep(poses, weight, label, box, finer=finer), payload)
 
     @staticmethod
     def polygon(
