@@ -98,6 +98,7 @@ _HOME = {
     "Stiffness": "limits",
     "MassCap": "limits",
     "ExactAt": "limits",
+    "Avoid": "limits",
     "Balanced": "limits",
     "Elongation": "limits",
     "SpringIndex": "limits",
@@ -213,6 +214,7 @@ __all__ = [
     "Affine",
     "Aim",
     "Angle",
+    "Avoid",
     "BSpline",
     "Balanced",
     "Bearing",
@@ -500,6 +502,7 @@ if TYPE_CHECKING:
     )
     from equipoise.friction import Friction
     from equipoise.limits import (
+        Avoid,
         Balanced,
         Convex,
         Curvature,
