@@ -47,6 +47,9 @@ _HOME = {
     "ConstantPressure": "balancers.laws",
     "Tilt": "tilt",
     "Scatter": "scattering",
+    "Friction": "friction",
+    "DeadBand": "rubbing",
+    "dead_band": "rubbing",
     "Tolerance": "scattering",
     "tolerance": "scattering",
     "gas_cylinder": "balancers.laws",
@@ -100,6 +103,16 @@ _HOME = {
     "SpringIndex": "limits",
     "Extension": "limits",
     "Aim": "objective",
+    "Discover": "discovery.request",
+    "KeepOut": "discovery.lattice",
+    "Discovery": "discovery.front",
+    "Ideal": "discovery.kinds",
+    "Coils": "discovery.kinds",
+    "ConstantForce": "discovery.kinds",
+    "GasStruts": "discovery.kinds",
+    "TorsionSprings": "discovery.kinds",
+    "Counterweights": "discovery.kinds",
+    "discover": "verbs.discover",
     "Design": "design",
     "chain": "models.chain",
     "DrumWithTorsion": "make",
@@ -137,6 +150,11 @@ _HOME = {
     "caspr": "models.caspr",
     "analyze": "verbs.analyze",
     "conditions": "verbs.conditions",
+    "reactionless_motion": "verbs.reactionless",
+    "ReactionlessMotion": "verbs.reactionless",
+    "spin_form": "spins",
+    "front": "verbs.front",
+    "Front": "verbs.front",
     "side_by_side": "verbs.side_by_side",
     "point_masses": "substitution",
     "substitute": "substitution",
@@ -170,6 +188,12 @@ _HOME = {
     "grade": "parts",
     "grades": "parts",
     "preferred_sizes": "parts",
+    "Catalogue": "parts.catalogue",
+    "MakeableGrid": "parts.grid",
+    "Pick": "parts.request",
+    "read_catalogue": "parts.importer",
+    "pick": "verbs.pick",
+    "survey_catalogue": "verbs.survey",
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
@@ -199,14 +223,17 @@ __all__ = [
     "Cam",
     "CamWithSpring",
     "Case",
+    "Catalogue",
     "Claim",
     "Coil",
+    "Coils",
     "Comparing",
     "Comparison",
     "CompressionSpring",
     "Conditions",
     "Constant",
     "ConstantEnergy",
+    "ConstantForce",
     "ConstantForceCam",
     "ConstantForceSpring",
     "ConstantPressure",
@@ -214,11 +241,15 @@ __all__ = [
     "Convex",
     "CounterRotor",
     "Counterweight",
+    "Counterweights",
     "Curvature",
     "Cycloidal",
+    "DeadBand",
     "Design",
     "DisagreementError",
     "Disc",
+    "Discover",
+    "Discovery",
     "Drive",
     "Drum",
     "DrumWithTorsion",
@@ -232,19 +263,25 @@ __all__ = [
     "FlywheelLaw",
     "Force",
     "FourBar",
+    "Friction",
+    "Front",
     "Gas",
     "GasSpring",
+    "GasStruts",
     "Gear",
     "HydroPneumatic",
+    "Ideal",
     "InfeasibleError",
     "InputError",
     "InvertedSliderCrank",
+    "KeepOut",
     "Length",
     "Line",
     "Linear",
     "Link",
     "LoopError",
     "Machine",
+    "MakeableGrid",
     "MassCap",
     "Mechanism",
     "Mesh",
@@ -253,6 +290,7 @@ __all__ = [
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pick",
     "Pinion",
     "Plate",
     "Platform",
@@ -265,6 +303,7 @@ __all__ = [
     "ProblemError",
     "Profile",
     "Pulley",
+    "ReactionlessMotion",
     "Reel",
     "Sag",
     "Scatter",
@@ -288,6 +327,7 @@ __all__ = [
     "Tolerance",
     "Torsion",
     "TorsionSpring",
+    "TorsionSprings",
     "Transmission",
     "Unknown",
     "Weight",
@@ -312,7 +352,9 @@ __all__ = [
     "closure",
     "compare",
     "conditions",
+    "dead_band",
     "delta",
+    "discover",
     "distribute",
     "equilibria",
     "exact_mean",
@@ -321,6 +363,7 @@ __all__ = [
     "feasible",
     "five_bar",
     "four_bar",
+    "front",
     "gas_cylinder",
     "geometry_map",
     "grade",
@@ -336,9 +379,12 @@ __all__ = [
     "parallelogram_arm",
     "parallelogram_robot",
     "payload_rule",
+    "pick",
     "platform_measure",
     "point_masses",
     "preferred_sizes",
+    "reactionless_motion",
+    "read_catalogue",
     "report",
     "reproduce",
     "rrr3",
@@ -346,10 +392,12 @@ __all__ = [
     "shape",
     "side_by_side",
     "slider_crank",
+    "spin_form",
     "spline_floor",
     "stiffness",
     "substitute",
     "survey",
+    "survey_catalogue",
     "tolerance",
     "verify",
     "wrench_matrix",
@@ -432,6 +480,17 @@ if TYPE_CHECKING:
     from equipoise.claim import Claim
     from equipoise.comparing import Comparing
     from equipoise.design import Design
+    from equipoise.discovery.front import Discovery
+    from equipoise.discovery.kinds import (
+        Coils,
+        ConstantForce,
+        Counterweights,
+        GasStruts,
+        Ideal,
+        TorsionSprings,
+    )
+    from equipoise.discovery.lattice import KeepOut
+    from equipoise.discovery.request import Discover
     from equipoise.errors import (
         DisagreementError,
         EquipoiseError,
@@ -441,6 +500,7 @@ if TYPE_CHECKING:
         ModelError,
         ProblemError,
     )
+    from equipoise.friction import Friction
     from equipoise.limits import (
         Balanced,
         Convex,
@@ -497,9 +557,15 @@ if TYPE_CHECKING:
         grades,
         preferred_sizes,
     )
+    from equipoise.parts.catalogue import Catalogue
+    from equipoise.parts.grid import MakeableGrid
+    from equipoise.parts.importer import read_catalogue
+    from equipoise.parts.request import Pick
     from equipoise.problem import Problem, load_problem
+    from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
     from equipoise.scattering import Scatter, Tolerance, tolerance
+    from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
     from equipoise.sweep import Payload, Sweep
@@ -511,9 +577,14 @@ if TYPE_CHECKING:
     from equipoise.verbs.certify import certify
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
+    from equipoise.verbs.discover import discover
+    from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
+    from equipoise.verbs.pick import pick
+    from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
     from equipoise.verbs.side_by_side import side_by_side
+    from equipoise.verbs.survey import survey_catalogue
     from equipoise.verbs.verify import verify

@@ -29,6 +29,8 @@ def check(problem: Problem) -> None:
     with problem.at("sweep"):
         few = problem.sweep.at(problem.sweep.coordinates[:PROBES])
         states = mechanism.states(few)
+    if problem.content.discover is not None:
+        _discover(problem)
     if problem.trajectory is not None:
         with problem.at("trajectory"):
             mechanism.states(problem.trajectory.at(problem.trajectory.coordinates[:PROBES]))
@@ -55,6 +57,21 @@ def check(problem: Problem) -> None:
         listed = isinstance(problem.content.objective, tuple)
         with problem.at(*(("objective", index) if listed else ("objective",))):
             _aim(problem, aim)
+
+
+def _discover(problem: Problem) -> None:
+    """What a discovery names must be there, and nothing else may be added."""
+    request = problem.content.discover
+    assert request is not None
+    with problem.at("discover"):
+        if problem.content.balancers:
+            raise InputError(
+                "`discover` and `balancers` stand beside each other",
+                hint="keep one: discover finds the balancers itself",
+            )
+        named = [body for pair in (*(request.pairs or ()), *request.forbid) for body in pair]
+        for body in [*named, *(request.points or {}), *(region.body for region in request.keep_out)]:
+            problem.mechanism.body_id(body)
 
 
 def _opened(problem: Problem) -> tuple[Any, ...]:

@@ -15,6 +15,8 @@ from equipoise.errors import DisagreementError, InputError, nearest
 
 if TYPE_CHECKING:
     from equipoise.design import Design
+    from equipoise.discovery.front import Discovery
+    from equipoise.parts.request import Pick
     from equipoise.problem import Problem
     from equipoise.solve.program import Norm
     from equipoise.verbs.adjust import Adjusted
@@ -34,6 +36,12 @@ Made = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print machine output on stdout, and nothing else there.")]
 Out = Annotated[Path | None, typer.Option("--out", help="Folder to write to.")]
+Catalogue = Annotated[Path | None, typer.Option("--catalogue", help="CSV of springs; without it, what can be wound.")]
+Units = Annotated[str | None, typer.Option("--units", help="Of columns that say none: metric or inch.")]
+Columns = Annotated[
+    list[str] | None, typer.Option("--column", help="What a column is: rate='Spring Rate'. Repeatable.")
+]
+Parallel = Annotated[int | None, typer.Option("--parallel", min=1, help="How many of a part may act side by side.")]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the search; the same seed, the same design.")]
 Starts = Annotated[int | None, typer.Option("--starts", min=1, help="Starts of the search.")]
 
@@ -163,14 +171,100 @@ def shape(
 @app.command()
 @guarded
 def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, starts: Starts = None) -> int:
-    """Shape (or balance), verify and report in one go."""
-    from equipoise.solving import balanced, served, shaped, solvable_problem
+    """Shape, balance or discover, verify and report in one go."""
+    from equipoise.solving import balanced, designed, served, shaped, solvable_problem
 
+    chosen = designed(file, seed)
+    if chosen is not None:
+        found, problem, stopped = chosen
+        return _reported(found, problem, json, out or _default_out(problem), stopped)
     problem = solvable_problem(file, "design")
     if problem.cases:
         return _serve(*served(problem, seed, starts), problem, json, out or _default_out(problem), full=True)
     found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
-    return _reported(found, problem, json, out or _default_out(problem), stopped)
+    out = out or _default_out(problem)
+    if problem.content.pick is not None and not stopped:
+        return _picked(found, problem, problem.content.pick, json, out, seed)
+    return _reported(found, problem, json, out, stopped)
+
+
+@app.command()
+@guarded
+def pick(
+    file: Made,
+    *,
+    catalogue: Catalogue = None,
+    units: Units = None,
+    column: Columns = None,
+    parallel: Parallel = None,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+) -> int:
+    """Real parts in the place of ideal springs: from a catalogue, or wound; shaped anew, verified, reported."""
+    from equipoise.picking import requested
+    from equipoise.solving import found_design
+
+    from_file, problem, stopped = found_design(file, "pick")
+    request = requested(problem, catalogue, units, column or (), parallel)
+    out = out or _default_out(problem)
+    return (
+        _reported(from_file, problem, json, out, stopped)
+        if stopped
+        else _picked(from_file, problem, request, json, out, seed)
+    )
+
+
+@app.command()
+@guarded
+def survey(
+    file: File,
+    *,
+    catalogue: Catalogue = None,
+    spring: Annotated[str | None, typer.Option("--spring", help="The spring to find a part for.")] = None,
+    units: Units = None,
+    column: Columns = None,
+    parallel: Parallel = None,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+) -> int:
+    """Every spring of a catalogue at its own best geometry, ranked; goes on where it was stopped."""
+    from equipoise.picking import requested, survey_json, survey_words, surveyed
+    from equipoise.solving import solvable_problem
+
+    problem = solvable_problem(file, "survey")
+    request = requested(problem, catalogue, units, column or (), parallel or 1)
+    folder = out or _default_out(problem)
+    found, stopped = surveyed(problem, request, spring, folder, seed)
+    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    say(survey_words(found, unit, folder))
+    if json:
+        emit(survey_json(found))
+    if stopped:
+        return STOPPED
+    return 0 if found.ranked else 1
+
+
+@app.command()
+@guarded
+def discover(
+    file: File,
+    *,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+    payload: Annotated[str | None, typer.Option("--payload", metavar="MASSES", help="Masses to carry: 0,5kg.")] = None,
+    at: Annotated[str | None, typer.Option("--at", metavar="BODY", help="The body that carries them.")] = None,
+    springs: Annotated[int | None, typer.Option("--springs", min=1, help="The largest number of springs.")] = None,
+    kinds: Annotated[str | None, typer.Option("--kinds", metavar="LIST", help="zero_free_length,coil,...")] = None,
+) -> int:
+    """Which springs at all: the best designs with 1, 2, 3, ... of them, verified."""
+    from equipoise.solving import discovered, discovery
+
+    problem = discovery(file, payload, at, springs, kinds)
+    front, stopped = discovered(problem, seed)
+    return _fronted(front, problem, json, out, stopped)
 
 
 @app.command()
@@ -197,14 +291,15 @@ def verify(
 @app.command()
 @guarded
 def make(file: Made, json: Json = False, out: Out = None) -> int:
-    """Cams and drums of the file's `make` block: profiles as DXF and CSV, with the wrapped cord simulated."""
+    """Cams and drums of the file's `make` block: profiles as DXF, CSV and SVG, with the wrapped cord simulated."""
+    from equipoise.reporting.plots import draw_part
     from equipoise.solving import made_parts
 
     parts, problem = made_parts(file)
     folder = out or _default_out(problem)
     with staging(folder) as stage:
         assert stage is not None
-        names = [path.name for part in parts for path in part.write(stage)]
+        names = [path.name for part in parts for path in (*part.write(stage), draw_part(part, stage))]
     say("\n".join([*map(str, parts), *(f"file        {folder / name}" for name in names)]))
     if json:
         emit({"parts": [part.facts() for part in parts]})
@@ -219,6 +314,47 @@ def report(file: Made, json: Json = False, out: Out = None) -> int:
 
     found, problem, stopped = found_design(file, "report")
     return _reported(found, problem, json, out or _default_out(problem), stopped)
+
+
+@app.command()
+@guarded
+def front(
+    file: File,
+    json: Json = False,
+    out: Out = None,
+    against: Annotated[str, typer.Option("--against", help="What it costs: mass, or another goal's peak.")] = "mass",
+    caps: Annotated[str | None, typer.Option("--caps", help="Growing caps, such as '26 kg, 28 kg, 30 kg'.")] = None,
+    points: Annotated[int, typer.Option("--points", min=2, help="How many caps where none are given.")] = 8,
+) -> int:
+    """The objective's best value for every amount of added mass (or of another goal), each with its proof."""
+    from equipoise.objective import goal_blocks
+    from equipoise.solving import solvable_problem
+    from equipoise.units import to_si
+    from equipoise.verbs.front import front as run
+
+    problem = solvable_problem(file, "front")
+    unit = goal_blocks(problem.mechanism, against)[0].unit
+    given = None if caps is None else [to_si(_number(text), unit, "--caps") for text in caps.split(",")]
+    with problem.at_names():
+        found = run(
+            problem.mechanism, problem.balancers, problem.sweep, objective=problem.objective, against=against,
+            caps=given, points=points, limits=problem.limits,
+        )  # fmt: skip
+    say(str(found))
+    with staging(out) as stage:
+        files = found.write(stage) if stage is not None else []
+    for one in files:
+        say(f"front       {one.name}")
+    if json:
+        emit(found.json())
+    return 0
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip()
 
 
 @app.command()
@@ -307,6 +443,19 @@ def schema() -> int:
     return 0
 
 
+def _picked(found: Design, problem: Problem, request: Pick, json: bool, out: Path, seed: int | None) -> int:
+    from equipoise.picking import FILE, picked, write_problem
+
+    chosen, real = picked(problem, found, request, seed)
+    with staging(out) as stage:
+        assert stage is not None
+        write_problem(real, stage / FILE)
+        for choice in chosen.choices:
+            (stage / f"candidates_{choice.spring}.csv").write_text(choice.ranking.table(), encoding="utf-8")
+    say(f"{chosen}\n")
+    return _reported(chosen.design, real, json, out, stopped=False)
+
+
 def _told(found: Design, problem: Problem, out: Path | None) -> Design:
     from equipoise.designfile import with_problem
 
@@ -355,8 +504,7 @@ def _mapped(found: Design, problem: Problem, json: bool, out: Path, *, over: tup
 
 
 def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: bool) -> int:
-    from equipoise.scattering import followed, tolerance
-    from equipoise.solving import cut
+    from equipoise.solving import cut, judged
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import verify as run
 
@@ -371,8 +519,7 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
         with staging(out) as stage:
             assert stage is not None
             found = run(found, out=stage)
-            if followed(found):
-                found = replace(found, tolerance=tolerance(found, problem.content.tolerances))
+            found = judged(found, problem)
             write_report(found, stage)
     except KeyboardInterrupt:
         # The design itself is finished work.
@@ -390,7 +537,7 @@ def _reported(found: Design, problem: Problem, json: bool, out: Path, stopped: b
 def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Path | None, *, full: bool) -> int:
     """One design for several cases: verified in each, reported in the hardest, a folder for every case."""
     from equipoise.reporting.jsonfile import dumps
-    from equipoise.scattering import followed, tolerance
+    from equipoise.solving import judged
     from equipoise.verbs.report import report as write_report
     from equipoise.verbs.verify import insist
     from equipoise.verbs.verify import verify as run
@@ -408,9 +555,7 @@ def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Pa
         if stage is not None:
             if full:
                 shown = _told(designs[found.hardest], problem, out)
-                if followed(shown):
-                    shown = replace(shown, tolerance=tolerance(shown, problem.content.tolerances))
-                write_report(shown, stage)
+                write_report(judged(shown, problem), stage)
             (stage / "design.json").write_text(dumps(found.json()), encoding="utf-8")
     say("\n".join([str(found), *([] if out is None else [f"design      {out / 'design.json'}"])]))
     if full and out is not None:
@@ -426,6 +571,45 @@ def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Pa
             insist(design)
     except DisagreementError as error:
         reasons.append(str(error))
+    for reason in reasons:
+        say(f"error: {reason}")
+    return 1 if reasons else 0
+
+
+def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:
+    """Verify the designs of a front, write them, and say what there is to say."""
+    from equipoise.discovery.ask import design_problem
+    from equipoise.reporting.jsonfile import dumps
+    from equipoise.verbs.verify import insist
+    from equipoise.verbs.verify import verify as run
+
+    lines, reasons, made = [], [], []
+    with staging(out) as stage:
+        for design in front.designs:
+            folder = None if stage is None else stage / front.folder(design)
+            if folder is not None:
+                folder.mkdir()
+            place = None if out is None else out / front.folder(design)
+            told = _told(design, design_problem(design, problem), place)
+            found = told if stopped else run(told, out=folder)
+            made.append(found)
+            _write(found, folder)
+            lines += _written(place, found)
+            try:
+                insist(found)
+            except DisagreementError as error:
+                reasons.append(str(error))
+        front = front.with_designs(tuple(made))
+        if stage is not None:
+            (stage / "front.json").write_text(dumps(front.json()), encoding="utf-8")
+    lines += [f"front       {out / 'front.json'}"] if out is not None else []
+    say("\n".join([str(front), *lines]))
+    if json:
+        emit(front.json())
+    if stopped:
+        return STOPPED
+    missed = [design.missed for design in front.designs]
+    reasons += [f"target missed by every design: {missed[-1]}"] if all(missed) else []
     for reason in reasons:
         say(f"error: {reason}")
     return 1 if reasons else 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from equipoise.cables.behaviour import Behaviour
     from equipoise.machinery import Machine
     from equipoise.make.synthesis import Part as MadePart
+    from equipoise.rubbing import DeadBand
     from equipoise.scattering import Tolerance
     from equipoise.verification.findings import Verification
 
@@ -105,7 +106,8 @@ class Design:
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
     whose poses were found between the samples; problem is the file it came from, where there was one; settings say
     what is adjusted from case to case, where a design serves several; cables says how a cable platform behaves with
-    its springs, made are the cams and drums cut for them; tolerance says how it scatters when parts are as they come.
+    its springs, made are the cams and drums cut for them; tolerance says how it scatters when
+    parts are as they come, dead_band what friction covers.
     """
 
     mechanism: Mechanism
@@ -129,6 +131,7 @@ class Design:
     made: tuple[MadePart, ...] = ()
     settings: Settings | None = None
     tolerance: Tolerance | None = None
+    dead_band: DeadBand | None = None
 
     @property
     def norm(self) -> str:
@@ -189,7 +192,24 @@ class Design:
         fixed = settled(self.balancers, self.values)
         moment, momentum = without_wheels(self.mechanism, fixed, self.states, self.values, pole)
         rows = order  # scenarios follow one another; the law is that of the first
-        return wheel.law(instants.time[rows], moment[rows], momentum[rows])
+        turning, form = self._rotations(wheel, pole)
+        return wheel.law(
+            instants.time[rows], moment[rows], momentum[rows], None if turning is None else turning[rows], form
+        )
+
+    def _rotations(self, wheel: Flywheel, pole: Sequence[float]) -> tuple[np.ndarray | None, Mapping[str, float]]:
+        """The sum of rotations (N,) whose rate is the momentum about a flywheel's axis, where it is one."""
+        from equipoise.regressor import frame
+        from equipoise.spins import spin_form, turned
+
+        plane = frame(self.mechanism).plane
+        along = 0.0 if plane is None else float(plane @ wheel.normal)
+        form = spin_form(self.mechanism, self.balancers, self.values, self.sweep) if abs(along) > 1 - 1e-9 else None
+        if form is None or any(pole):
+            return None, {}
+        sense = float(np.sign(along))
+        turning = sense * turned(self.mechanism, self.states.kin.q, form)
+        return turning, {body: sense * K for body, K in form.items()}
 
     @cached_property
     def machine(self) -> tuple[Machine, Machine] | None:
@@ -250,6 +270,7 @@ class Design:
             "made": [part.facts() for part in self.made],
             "settings": self.settings.json() if self.settings else None,
             "tolerance": self.tolerance.json() if self.tolerance else None,
+            "dead_band": self.dead_band.json() if self.dead_band else None,
             "cite": self.cite(),
         }
 
@@ -364,6 +385,7 @@ def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:
         "speed": float(np.abs(law.speed).max()),
         "power": float(np.abs(law.power).max()),
         "angle": float(law.angle[-1]),
+        "form": dict(law.form),
     }
 
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from equipoise.states import States
     from equipoise.sweep import Sweep
 
+BATCH = 65_536
+"""Postures that MuJoCo holds in memory together."""
 MASSLESS = 1e-12
 """kg, more than the trace that MuJoCo wants of a body without mass."""
 ANSWERED = ("hold", "drive", "force", "moment", "mass", "energy", "storage")
@@ -194,8 +196,17 @@ class Mechanism:
         """Fields (N, ...) that MuJoCo computes of postures q (N, nq) at velocities (N, nv), on all cores.
 
         None is at rest. Constraints and contacts are off, potential energy is on. The batch is kept and grows with
-        the largest request, since building one costs a millisecond.
+        the largest request, since building one costs a millisecond, up to BATCH postures at a time.
         """
+        parts = [slice(start, start + BATCH) for start in range(0, max(len(q), 1), BATCH)]
+        if len(parts) > 1:
+            found: list[Array] = []
+            for part in parts:
+                some = self.forward(q[part], None if velocity is None else velocity[part], names)
+                found = found or [np.empty((len(q), *one.shape[1:])) for one in some]
+                for whole, one in zip(found, some, strict=True):
+                    whole[part] = one
+            return found
         count, kept = len(q), self._batches
         if kept.get("size", 0) < count:
             bare = copy.copy(self.model)

@@ -20,10 +20,11 @@ RESULTS = ("before ", "after ", "payload ")
 
 def held(mechanism: Mechanism) -> Array:
     """Reference positions of the driven joints (nd,), brought inside their limits."""
-    reference = mechanism.reference[mechanism.model.jnt_qposadr[mechanism.driven_ids]]
-    box = mechanism.box
-    low, high = np.where(np.isnan(box[:, 0]), -np.inf, box[:, 0]), np.where(np.isnan(box[:, 1]), np.inf, box[:, 1])
-    return np.clip(reference, low, high)
+    model, joints = mechanism.model, mechanism.driven_ids
+    reference = mechanism.reference[model.jnt_qposadr[joints]]
+    limited = model.jnt_limited[joints].astype(bool)
+    low, high = model.jnt_range[joints].T
+    return np.clip(reference, np.where(limited, low, -np.inf), np.where(limited, high, np.inf))
 
 
 def read_columns(mechanism: Mechanism, path: Path, own: Mapping[str, str]) -> dict[str, Array]:
@@ -36,9 +37,12 @@ def read_columns(mechanism: Mechanism, path: Path, own: Mapping[str, str]) -> di
         with path.open(newline="", encoding="utf-8-sig") as stream:
             lines = [line for line in csv.reader(stream) if any(cell.strip() for cell in line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"cannot read the poses: {error}", where=str(path)) from None
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"cannot read the file: {reason}", where=str(path), hint="check the path") from None
     if len(lines) < 2:
-        raise InputError("the file has no poses", where=str(path), hint="one header line, then a line per pose")
+        raise InputError(
+            "the file has no rows", where=str(path), hint="one header line, then a line per pose or instant"
+        )
     heads = [_header(cell, mechanism, path, own) for cell in lines[0]]
     columns = {name: np.empty(len(lines) - 1) for name, _ in heads if name}
     for row, line in enumerate(lines[1:]):

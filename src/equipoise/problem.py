@@ -12,10 +12,13 @@ from typing import Annotated, Any
 from equipoise.balancers.spring import Spring
 from equipoise.cases import Case, by_payload
 from equipoise.comparing import Comparing
+from equipoise.discovery.request import Discover
 from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
 from equipoise.forms import Form, Later, Reading
+from equipoise.friction import Friction
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
+from equipoise.parts.request import Pick
 from equipoise.places import REMEDY, problem_error, where
 from equipoise.scattering.scatter import Scatter
 from equipoise.sweep import Sweep
@@ -44,8 +47,10 @@ class ProblemFile:
     adjust {parameter: [low, high]} is set anew for every payload or case, null leaves an unknown its natural bounds;
     cases list mechanisms that one design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is
     how the base leans; compare says which joint `equipoise compare` looks at; make lists cams and drums that
-    `equipoise make` cuts; trajectory, a motion or poses in order,
-    is what a cable platform's motors are judged on; tolerances says how far parts and robot may be off.
+    `equipoise make` cuts; trajectory, a motion or poses in order, is what a cable platform's motors are judged on;
+    tolerances says how far parts and robot may be off, friction how much they rub.
+    With discover in the place of balancers it says how `equipoise discover` looks for them; pick asks for real parts in
+    the place of ideal springs.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -64,8 +69,11 @@ class ProblemFile:
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()
+    discover: Discover | None = None
     tolerances: Scatter = field(default_factory=Scatter)
+    friction: Friction = field(default_factory=Friction)
     trajectory: Annotated[Any, SWEEP] | None = None
+    pick: Pick | None = None
 
 
 @dataclass(frozen=True, eq=False)

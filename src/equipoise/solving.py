@@ -15,6 +15,7 @@ from equipoise.verbs import balance as verbs_balance
 from equipoise.verbs import shape as verbs_shape
 
 if TYPE_CHECKING:
+    from equipoise.discovery.front import Discovery
     from equipoise.verbs.adjust import Adjusted
 
 
@@ -120,6 +121,53 @@ def bracketed(design: Design, problem: Problem) -> tuple[Design, bool]:
     return found, interrupts.hit
 
 
+def discovery(file: str, payload: str | None, at: str | None, springs: int | None, kinds: str | None) -> Problem:
+    """The problem that a discovery works on: a file's own `discover` block, or a robot's, changed by what was said."""
+    from equipoise.discovery.ask import asked
+
+    return asked(_target(file), payload, at, springs, kinds)
+
+
+def discovered(problem: Problem, seed: int | None) -> tuple[Discovery, bool]:
+    """The front of a problem, with progress on stderr; whether Ctrl-C cut the search short."""
+    from equipoise.verbs.discover import discover
+
+    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    with problem.at_names(), Interrupts() as interrupts, progress_bar("discover", "numbers of parts", unit) as progress:
+
+        def tell(done: int, most: int, value: float) -> None:
+            if progress is None:
+                say(f"discover    {done} of {most} numbers of parts done, {value:.4g} {unit}")
+            else:
+                progress(done, most, value)
+
+        front = discover(
+            problem.mechanism,
+            problem.sweep,
+            problem.content.discover,
+            objective=problem.objective,
+            limits=problem.limits,
+            seed=problem.search.seed if seed is None else seed,
+            progress=tell,
+        )
+    if interrupts.hit:
+        say("the search was stopped by hand: what was finished follows")
+    return front, interrupts.hit
+
+
+def designed(file: str, seed: int | None) -> tuple[Design, Problem, bool] | None:
+    """The recommended design of a file with a `discover` block; None for any other."""
+    target = _target(file)
+    if target.bare or target.design is not None or target.problem.content.discover is None:
+        return None
+    from equipoise.discovery.ask import design_problem
+
+    front, stopped = discovered(target.problem, seed)
+    say(str(front))
+    design = front.designs[front.recommended]
+    return design, design_problem(design, target.problem), stopped
+
+
 def balanced(problem: Problem) -> Design:
     """All unknowns at the geometry of the file."""
     with problem.at_names():
@@ -139,6 +187,16 @@ def _behaving(design: Design, problem: Problem) -> Design:
     from equipoise.cables.behaviour import behaviour
 
     return replace(design, cables=behaviour(design, problem.trajectory))
+
+
+def judged(design: Design, problem: Problem) -> Design:
+    """The design with what scatter and friction make of it, by the problem's own figures."""
+    from equipoise.rubbing import dead_band, held
+    from equipoise.scattering import followed, tolerance
+
+    if followed(design):
+        design = replace(design, tolerance=tolerance(design, problem.content.tolerances))
+    return replace(design, dead_band=dead_band(design, problem.content.friction)) if held(design) else design
 
 
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:

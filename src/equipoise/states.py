@@ -174,17 +174,19 @@ class States:
         if not isinstance(point, Point):
             return point.locate(self)
         # Path, law, limits and own mass of a spring ask for the same two points in turn.
-        if id(point) not in self._points:
+        known = self._points.get(id(point))
+        if known is None:
+            # Threads may share the states: what one of them takes away, another must not miss.
             if len(self._points) >= REMEMBERED:
-                del self._points[next(iter(self._points))]
-            self._points[id(point)] = (point, self._point(point))
-        return self._points[id(point)][1]
+                self._points.pop(next(iter(tuple(self._points))), None)
+            known = self._points[id(point)] = (point, self._point(point))
+        return known[1]
 
     def _point(self, point: Point) -> tuple[Array, Array]:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
-        arm = xmat @ local if local.ndim == 1 else (xmat @ local[..., None])[..., 0]
+        arm = xmat @ local if local.ndim == 1 else sum(local[..., i, None] * xmat[..., :, i] for i in range(3))
         position = xpos + arm
         linear, angular = self._twist(body)
         if not ancestors(self.mechanism.model, body):
@@ -192,8 +194,11 @@ class States:
         offset = position - self.kin.com[:, body]
         x, y, z = (offset[..., i, None] for i in range(3))
         wx, wy, wz = (angular[:, i] for i in range(3))
-        turn = np.stack([wy * z - wz * y, wz * x - wx * z, wx * y - wy * x], axis=-2)
-        return position, linear + turn
+        moved = np.empty((*position.shape, linear.shape[-1]), dtype=position.dtype)
+        moved[..., 0, :] = linear[:, 0] + wy * z - wz * y
+        moved[..., 1, :] = linear[:, 1] + wz * x - wx * z
+        moved[..., 2, :] = linear[:, 2] + wx * y - wy * x
+        return position, moved
 
     def angle(self, joint: str) -> tuple[Array, Array]:
         """Position (N,) of a hinge or slide and its Jacobian (N, nd)."""

@@ -25,6 +25,8 @@ from equipoise.units import Joint, Length, Mass, Number, Time, to_si
 
 MAX_POSES = 5_000_000
 INSTANTS = 721
+FINER = 2
+"""Gauss points per axis that the finer rule has more."""
 PROBE = 12
 """How many random poses must be in reach before more are tried."""
 
@@ -130,9 +132,14 @@ class Sweep:
             x, w = np.polynomial.legendre.leggauss(n)
             return (lo + hi) / 2 + x * (hi - lo) / 2, w * (hi - lo) / 2
 
+        def finer() -> Sweep:
+            more = {joint: (low, high, int(count) + FINER) for joint, (low, high, count) in axes.items()}
+            return Sweep.quadrature(mechanism, more, payload=payload)
+
         ticks, box = _axes(mechanism, axes, gauss)
         poses, weight = _tensor(ticks)
-        return _with_payload(mechanism, Sweep(poses, weight, f"{len(poses)} Gauss-Legendre points", box), payload)
+        label = f"{len(poses)} Gauss-Legendre points"
+        return _with_payload(mechanism, Sweep(poses, weight, label, box, finer=finer), payload)
 
     @staticmethod
     def polygon(
@@ -291,6 +298,25 @@ class Sweep:
         label = f"{len(timed.time)} instants of {moving.end - moving.start:g} s ({label})"
         sweep = Sweep(timed.rows[0], timed.weight, label, sampled=True, moves=timed)
         return _with_payload(mechanism, sweep, payload)
+
+    @staticmethod
+    def reactionless(
+        mechanism: Mechanism,
+        path: Mapping[str, Driver | Any],
+        *,
+        duration: Time,
+        start: Mapping[str, Joint] | None = None,
+        samples: int = INSTANTS,
+    ) -> Sweep:
+        """The motion of a force-balanced mechanism along a path that leaves no moment at the base.
+
+        path {joint: driver} prescribes as many joints, driven or not (`platform_x`), as zero angular momentum leaves;
+        what is left open, such as the platform's orientation, follows: see `reactionless_motion`. It begins at the
+        reference, or at `start` {driven joint: position}.
+        """
+        from equipoise.verbs.reactionless import reactionless_motion
+
+        return reactionless_motion(mechanism, path, duration=duration, start=start).sweep(samples)
 
     @staticmethod
     def any_motion(

@@ -52,6 +52,15 @@ from equipoise.balancers.paths import (
 from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
 from equipoise.balancers.spring import Spring
 from equipoise.balancers.synthesis import Prescribed
+from equipoise.discovery.kinds import (
+    Coils,
+    ConstantForce,
+    Counterweights,
+    GasStruts,
+    Ideal,
+    Kind,
+    TorsionSprings,
+)
 from equipoise.forms import Family, Form
 from equipoise.limits import (
     Balanced,
@@ -114,6 +123,7 @@ SWEEPS: dict[str, Callable[..., Any]] = {
     "poses": Sweep.of_poses,
     "motion": Sweep.motion,
     "any_motion": Sweep.any_motion,
+    "reactionless": Sweep.reactionless,
 }
 BALANCERS: dict[str, Callable[..., Any]] = {
     "spring": Spring,
@@ -187,8 +197,14 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "wind_up": WindUp,
     "transmission": Transmission,
 }
-
-
+KINDS: dict[str, Callable[..., Any]] = {
+    "zero_free_length": Ideal,
+    "coil": Coils,
+    "constant": ConstantForce,
+    "gas": GasStruts,
+    "torsion": TorsionSprings,
+    "counterweight": Counterweights,
+}
 MAKES: dict[str, Callable[..., Any]] = {
     "drum": MakeDrum,
     "cam": MakeCam,
@@ -221,6 +237,7 @@ MASS = Family("mass", _members(MASSES))
 SHAPE = Family("shape", _members(SHAPES))
 DRIVER = Family("driver", _members(DRIVERS))
 MAKE = Family("part to make", _members(MAKES))
+KIND = Family("kind of candidate", _members(KINDS))
 EXPONENT = Family("exponent", _members(EXPONENTS))
 
 
@@ -239,6 +256,7 @@ def family_of(hint: Any) -> Family | Form | None:
         (SHAPE, SHAPES),
         (DRIVER, {"any": Driver, **DRIVERS}),
         (EXPONENT, EXPONENTS),
+        (KIND, {"any": Kind, **KINDS}),
     ):
         if isinstance(hint, type) and hint in table.values():
             return family

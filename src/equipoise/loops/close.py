@@ -14,12 +14,13 @@ from equipoise.loops.branch import Branch, reference_branch
 from equipoise.loops.messages import advice, blocked_way, gap, pose_text
 from equipoise.loops.posture import Evaluator, qpos_width
 from equipoise.loops.roadmap import Blocked, follow
-from equipoise.loops.walk import Closed, walk
+from equipoise.loops.walk import Closed, least_singular, walk
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
 
 _CHUNK = 16384
+SHUT = 1e-15  # dimensionless residual that Newton's steps aim at
 _ROUNDING = 1e-11  # dimensionless residual beyond which a posture does not count as closed
 _evaluators: weakref.WeakKeyDictionary[Mechanism, Evaluator] = weakref.WeakKeyDictionary()
 _known: weakref.WeakKeyDictionary[Mechanism, Branch | None] = weakref.WeakKeyDictionary()
@@ -62,16 +63,17 @@ def close_loops(mechanism: Mechanism, driven: Array, *, start: Array | None = No
     return _settled(mechanism, branch, evaluate, postures)
 
 
-def tighten_loops(mechanism: Mechanism, near: Array) -> tuple[Array, Array]:
+def tighten_loops(mechanism: Mechanism, near: Array, turns: int | None = None) -> tuple[Array, Array]:
     """As `close_loops`, for postures near (N, nq) that are closed but for rounding or small steps.
 
-    The driven joints stay where near has them; Newton's steps move the others, and near names the branch of each
-    pose by itself. Raises LoopError for a pose that does not close, or closes within the margin of a singularity.
+    The driven joints stay where near has them; Newton's steps (`turns`: two suffice for rounding) move the others, and
+    near names the branch of each pose by itself. Raises LoopError for a pose that does not close, or closes within
+    the margin of a singularity.
     """
     branch = branch_of(mechanism)
     if branch is None:
         return near, selection_of(mechanism)
-    return _settled(mechanism, branch, evaluator_of(mechanism), near)
+    return _settled(mechanism, branch, evaluator_of(mechanism), near, turns)
 
 
 def selection_of(mechanism: Mechanism) -> Array:
@@ -82,14 +84,16 @@ def selection_of(mechanism: Mechanism) -> Array:
     return selection
 
 
-def _settled(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, near: Array) -> tuple[Array, Array]:
+def _settled(
+    mechanism: Mechanism, branch: Branch, evaluate: Evaluator, near: Array, turns: int | None = None
+) -> tuple[Array, Array]:
     """Postures refined to rounding, and their transmission."""
     driven = near[:, mechanism.model.jnt_qposadr[mechanism.driven_ids]]
     selection = selection_of(mechanism)
     q, transmission = near.copy(), np.repeat(selection, len(near), axis=0)
     for first in range(0, len(near), _CHUNK):
         part = slice(first, first + _CHUNK)
-        closed = refined(mechanism, branch, evaluate, near[part], driven[part])
+        closed = refined(mechanism, branch, evaluate, near[part], driven[part], turns)
         q[part] = closed.q
         transmission[part] += transmission_of(branch, closed, selection.shape)
     return q, transmission
@@ -119,7 +123,7 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     if branch is None:
         return np.zeros(len(q)), np.full(len(q), np.inf)
     closed = branch.loop.linearise(evaluator_of(mechanism), q)
-    return gap(branch.loop, closed), closed.sigma
+    return gap(branch.loop, closed), least_singular(closed.slope)
 
 
 def branch_of(mechanism: Mechanism) -> Branch | None:
@@ -196,11 +200,23 @@ def _followed(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, origin:
     return result[back.ravel()]
 
 
-def refined(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, postures: Array, driven: Array) -> Closed:
+def refined(
+    mechanism: Mechanism,
+    branch: Branch,
+    evaluate: Evaluator,
+    postures: Array,
+    driven: Array,
+    turns: int | None = None,
+) -> Closed:
     """Postures closed to rounding; raises LoopError for one that stays open, or closes too near a singularity."""
     # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
-    turns = 2 if branch.curved.all() else 8
-    closed = branch.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
+    turns = turns or (2 if branch.curved.all() else 8)
+    closed = branch.loop.newton(evaluate, postures, goal=SHUT, turns=turns, stride=np.inf)
+    return sound(mechanism, branch, closed, driven)
+
+
+def sound(mechanism: Mechanism, branch: Branch, closed: Closed, driven: Array) -> Closed:
+    """The postures; raises LoopError for one that is open, or within the margin of a singularity."""
     worst = int(np.argmax(closed.worst))
     if closed.worst[worst] > _ROUNDING:
         raise LoopError(

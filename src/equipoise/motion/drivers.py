@@ -142,6 +142,33 @@ class Samples:
         increasing(self.times, where)
 
 
+@dataclass(frozen=True)
+class Pieces:
+    """Chebyshev series one after another: coefficients[k] holds from edges[k] to edges[k + 1], s."""
+
+    edges: tuple[Time, ...]
+    coefficients: tuple[tuple[Joint, ...], ...]
+
+    def at(self, t: Array, duration: float, where: str) -> Jet:  # noqa: ARG002 - the protocol hands it over
+        """The series and their derivatives."""
+        edges = np.array(self.edges, dtype=float)
+        which = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(self.coefficients) - 1)
+        parts = np.empty((3, *np.shape(t)))
+        for k in np.unique(which):
+            law = np.polynomial.Chebyshev(self.coefficients[k], domain=edges[k : k + 2].tolist())
+            here = which == k
+            parts[:, here] = law(t[here]), law.deriv(1)(t[here]), law.deriv(2)(t[here])
+        return Jet(parts[0], parts[1], parts[2])
+
+    def check(self, where: str) -> None:
+        """Raise InputError for edges that do not increase or do not match."""
+        if len(self.edges) != len(self.coefficients) + 1:
+            raise InputError(
+                f"{len(self.edges)} edges for {len(self.coefficients)} pieces; one more edge is needed", where=where
+            )
+        increasing(np.array(self.edges, dtype=float), where)
+
+
 def increasing(times: Array, where: str) -> None:
     """Raise InputError, with the first row at fault, unless times increase."""
     wrong = np.flatnonzero(~(np.diff(times) > 0))

@@ -19,6 +19,7 @@ from equipoise.limits.curve import Pieces
 from equipoise.models.cable_platform import cable_platform
 from equipoise.objective import Aim
 from equipoise.papers.paper import Drawing, Improvement, Paper
+from equipoise.reporting import glyphs, maps, platform_plots, style
 from equipoise.sweep import Sweep
 from equipoise.verbs.balance import balance
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from equipoise.limits import Limit
 
 SLUG = "perreault-cardou"
+GRID = 161
 S = Source(SLUG)
 SIDE = 1.0
 HEIGHT = 3**0.5 / 2 * SIDE
@@ -80,8 +82,10 @@ def resultants(design: Design) -> tuple[Array, Array]:
 
 
 def _light(design: Design) -> float:
-    size, weight = resultants(design)
-    return float(100 * weight[size < 0.1].sum() / weight.sum())
+    """Share of the area, %, with |f_r| < 0.1 N."""
+    fine = Sweep.triangle(design.mechanism, CORNERS, points=60)
+    size = np.linalg.norm(design.residual(design.mechanism.states(fine), "wrench"), axis=1)
+    return float(100 * fine.weight[size < 0.1].sum() / fine.weight.sum())
 
 
 def claims() -> Sequence[Claim]:
@@ -260,40 +264,46 @@ def improved() -> Sequence[Improvement]:
 
 
 def _tensions() -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7, 4))
+    figure = style.figure(9.2, 4.4)
     axes = figure.subplots()
-    c = np.linspace(0, SIDE, 600)
+    c = np.linspace(0, SIDE, 601)
     for k in range(1, 11):
-        axes.plot(c, tension(solved(k), c), label=f"k = {k}, f = {objective(solved(k)):.4f}")
+        dash = "-" if k <= 5 else (0, (5, 1.5))
+        label = f"k = {k}: f = {objective(solved(k)):.5f}, f / 3 = {objective(solved(k)) / 3:.5f}"
+        axes.plot(c, tension(solved(k), c), color=glyphs.part_colour(k - 1), ls=dash, lw=1.5, label=label)
+    axes.axhline(1.0, color=style.LIMIT, lw=1.0, ls=(0, (2, 2)), label="t_min = 1 N")
+    axes.set_xlim(0, SIDE)
+    axes.set_ylim(bottom=0)
     axes.set_xlabel("cable length c [m]")
     axes.set_ylabel("tension t [N]")
-    axes.legend(fontsize=7, ncol=2)
+    figure.legend(loc="outside right upper", title="f = 1/2 int |f_r|^2 dA [N^2 m^2]", fontsize=8.5)
     return figure
 
 
 def _map(k: int) -> Figure:
-    from matplotlib.figure import Figure
-    from matplotlib.tri import Triangulation
+    from matplotlib.patches import Polygon
 
-    u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, 70), np.linspace(0, 1, 70)))
-    keep = u + v <= 1 + 1e-9
-    a, b, c = (np.array(corner) for corner in CORNERS)
-    inner = a + 0.999 * (u[keep, None] * (b - a) + v[keep, None] * (c - a)) + 0.001 * ((a + b + c) / 3 - a)
     design = solved(k)
-    states = design.mechanism.states(design.sweep.at_poses(inner))
+    low, high = np.array(CORNERS).min(axis=0), np.array(CORNERS).max(axis=0)
+    x, y = (np.linspace(low[i], high[i], GRID) for i in (0, 1))
+    poses = np.stack([axis.ravel() for axis in np.meshgrid(x, y)], axis=1)
+    inside = design.sweep.holds(poses)
+    states = design.mechanism.states(design.sweep.at_poses(poses))
     size = np.linalg.norm(design.residual(states, "wrench"), axis=1)
-    figure = Figure(figsize=(5.5, 4.5))
+    figure = style.figure(6.4, 5.2)
     axes = figure.subplots()
-    drawn = axes.tricontourf(Triangulation(*inner.T), size, levels=24)
-    figure.colorbar(drawn, ax=axes, label="|f_r| [N]")
-    stable = [e.pose for e in equilibria(design) if e.kind == "minimum"]
-    axes.plot([p["x"] for p in stable], [p["z"] for p in stable], "w.", label="stable equilibrium")
+    drawn = maps.draw_field(axes, x, y, size.reshape(GRID, GRID), float(np.quantile(size[inside], 0.97)))
+    edge = Polygon(np.array(CORNERS), closed=True, fill=False, ec=style.MUTED, lw=1.0)
+    axes.add_patch(edge)
+    for layer in axes.collections:
+        layer.set_clip_path(edge)
+    figure.colorbar(drawn, ax=axes, label="resultant |f_r| [N]", shrink=0.85, pad=0.02)
+    platform_plots.mark(axes, equilibria(design), ("x", "z"), 1.0)
+    largest = float(resultants(design)[0].max())
+    axes.set_title(f"k = {k}: at most {largest:.2f} N, |f_r| < 0.1 N over {_light(design):.0f} % of the area")
     axes.set_aspect("equal")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
-    axes.legend(fontsize=7)
     return figure
 
 
@@ -317,9 +327,9 @@ PAPER = Paper(
     improved=improved,
     drawings=(
         Drawing("Figure 2", "Tension over cable length for k = 1 to 10.", _tensions),
-        Drawing("Figure 3", "|f_r| for k = 1.", lambda: _map(1)),
-        Drawing("Figure 4", "|f_r| for k = 2.", lambda: _map(2)),
-        Drawing("Figure 5", "|f_r| for k = 5.", lambda: _map(5)),
-        Drawing("Figure 6", "|f_r| for k = 10.", lambda: _map(10)),
+        Drawing("Figure 3", "Resultant over the triangle for k = 1, and where the point rests.", lambda: _map(1)),
+        Drawing("Figure 4", "Resultant over the triangle for k = 2, and where the point rests.", lambda: _map(2)),
+        Drawing("Figure 5", "Resultant over the triangle for k = 5, and where the point rests.", lambda: _map(5)),
+        Drawing("Figure 6", "Resultant over the triangle for k = 10, and where the point rests.", lambda: _map(10)),
     ),
 )

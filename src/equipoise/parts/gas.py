@@ -63,6 +63,11 @@ class GasSpring(Part):
     sources: ClassVar[tuple[str, ...]] = ("yeswin_gas", "jp_gas_spring")
 
     @property
+    def drag(self) -> float | None:
+        """Fr of all pieces."""
+        return float(self.number * self.friction)
+
+    @property
     def degree(self) -> int | None:
         """No polynomial."""
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from equipoise.completion import Completion, Share
 from equipoise.reporting.numbers import plain, quantity, sig
 from equipoise.verbs.conditions import Conditions
+from equipoise.verbs.front import Front
 from equipoise.verbs.side_by_side import SideBySide
 
 GOALS = {"force": "force", "moment": "moment", "both": "force and moment"}
@@ -73,4 +74,19 @@ def columns_text(found: SideBySide) -> str:
         cells = ["-" if v is None else plain(v if abs(v) > floor else 0.0) for v in one.values]
         label = f"{one.what} [{one.unit}]" if one.unit else one.what
         lines.append(f"{label:<{width}}" + "".join(f"{c:>{w}}" for c, w in zip(cells, columns, strict=True)))
+    return "\n".join(lines)
+
+
+def front_text(found: Front) -> str:
+    """A line per step: cap, best value, what one more unit would take off."""
+    head = f"{found.against} [{found.against_unit}]"
+    price = f"less per {found.against_unit}"
+    lines = [
+        f"{found.objective} [{found.unit}] against {found.against}; the limits ask for {sig(found.least)} "
+        f"{found.against_unit} at least",
+        f"{head:>16}{'at best':>14}{price:>18}{'proven to':>14}",
+    ]
+    for step in found.steps:
+        gap = f"{(step.value - step.dual) / step.value:.0e}" if step.value > 0 else "-"
+        lines.append(f"{sig(step.cap, 5):>16}{sig(step.value, 5):>14}{sig(step.price):>18}{gap:>14}")
     return "\n".join(lines)

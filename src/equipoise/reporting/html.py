@@ -12,6 +12,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.make.synthesis import Part
 from equipoise.reporting import cable_sections, machinery, phrases, sections, tables
+from equipoise.reporting.friction import friction_section
 from equipoise.reporting.markup import Raw, element, image, join, section
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, part_picture, pictures
@@ -37,6 +38,7 @@ def page(design: Design, model: str) -> str:
             sections.certificate(design),
             tables.verification(design),
             tolerance_section(design),
+            friction_section(design),
             sections.basis(design),
             sections.honest_limits(),
             sections.files(design, model),

@@ -128,6 +128,8 @@ def _rotor_words(part: Mapping[str, Any]) -> str:
     if "torque_reversals" in part:
         words += f"; {part['torque_reversals']} torque reversals a run"
         words += f", anti-backlash preload {quantity(part['preload'], 'N m', 3)}"
+        for belt in part["meshes"][1:]:
+            words += f"; its belt {belt['reversals']} and {quantity(belt['preload'], 'N m', 3)}"
     return words
 
 
@@ -136,7 +138,8 @@ def _flywheel_words(part: Mapping[str, Any]) -> str:
         return "flywheel on the base"
     return (
         f"flywheel on the base, {quantity(part['inertia'], 'kg m^2')}: up to {quantity(part['speed'], 'rad/s')}, "
-        f"{quantity(part['torque'], 'N m')}, {quantity(part['power'], 'W')}"
+        f"{quantity(part['torque'], 'N m')}, {quantity(part['power'], 'W')}; it turns {quantity(part['angle'], 'rad')}"
+        + (" in all, in closed form" if part["form"] else " in all, integrated")
     )
 
 

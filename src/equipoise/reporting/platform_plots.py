@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +11,7 @@ from equipoise.affine import Array
 from equipoise.balancers.spring import Spring
 from equipoise.cables.behaviour import Motors
 from equipoise.cables.distribution import reel_of
+from equipoise.cables.equilibria import Equilibrium
 from equipoise.limits import Force, Tension
 from equipoise.platform import transform
 from equipoise.reporting import style
@@ -81,7 +83,10 @@ def _map(
     figure = ax.get_figure()
     assert figure is not None
     figure.colorbar(drawn, ax=ax, label=_label(sample), shrink=0.9, pad=0.02)
-    _equilibria(ax, sample, pair)
+    cables = sample.design.cables
+    assert cables is not None
+    driven = sample.design.mechanism.driven
+    mark(ax, cables.equilibria, (driven[pair[0]], driven[pair[1]]), 1e3)
 
 
 def _share(ax: Axes, sample: Sample) -> None:
@@ -211,15 +216,12 @@ def _grid(sample: Sample, pair: tuple[int, int]) -> tuple[Array, Array, Array, A
     return ticks[0], ticks[1], design.sweep.holds(poses), poses
 
 
-def _equilibria(ax: Axes, sample: Sample, pair: tuple[int, int]) -> None:
-    """Equilibria seen along the other coordinates."""
-    design = sample.design
-    assert design.cables is not None
-    names = [design.mechanism.driven[joint] for joint in pair]
+def mark(ax: Axes, found: Sequence[Equilibrium], names: tuple[str, str], scale: float) -> None:
+    """Mark equilibria by two of their coordinates, times a scale, with a legend that counts each kind."""
     for kind, (marker, face, edge) in MARKS.items():
-        places = [one.pose for one in design.cables.equilibria if one.kind == kind]
+        places = [one.pose for one in found if one.kind == kind]
         if places:
-            x, y = (1e3 * np.array([pose[name] for pose in places]) for name in names)
+            x, y = (scale * np.array([pose[name] for pose in places]) for name in names)
             label = f"{len(places)} {plural(kind, len(places))}"
             ax.plot(x, y, marker, ms=7, mfc=face, mec=edge, mew=1.0, ls="none", label=label, clip_on=False, zorder=6)
     if ax.get_legend_handles_labels()[0]:

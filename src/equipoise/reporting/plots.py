@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from equipoise.design import Design
@@ -127,4 +128,20 @@ def part_picture(part: Part) -> Picture:
     )
 
 
-__all__ = ["Picture", "curves", "draw_map", "drawing", "ledger", "part_picture", "pictures", "residual_map"]
+def draw_part(part: Part, folder: Path) -> Path:
+    """`<name>.svg`: the drawing of a cam or drum."""
+    with style.styled():
+        return style.save(cam_drawing(part), folder / f"{part.name}.svg")
+
+
+__all__ = [
+    "Picture",
+    "curves",
+    "draw_map",
+    "draw_part",
+    "drawing",
+    "ledger",
+    "part_picture",
+    "pictures",
+    "residual_map",
+]

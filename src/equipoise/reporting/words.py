@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from equipoise.balancers.paths import Line
 from equipoise.design import Design, Row
 from equipoise.reporting import cablewords, machinery, phrases
+from equipoise.reporting.friction import friction_words
 from equipoise.reporting.numbers import percent, plain, seen, sig, sort_out
 from equipoise.reporting.pathwords import path_words
 from equipoise.reporting.tolerance import tolerance_words
@@ -40,6 +41,8 @@ def summary(design: Design) -> str:
     lines += _labelled("verified", phrases.verified_words(design))
     for label, text in tolerance_words(design):
         lines += _labelled(label, text)
+    rubs = friction_words(design)
+    lines += _labelled("friction", rubs) if rubs else []
     if design.cables is not None:
         for label, text in cablewords.behaviour_lines(design):
             lines += _labelled(label, text)

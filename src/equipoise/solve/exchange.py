@@ -130,7 +130,9 @@ def _exchange(program: Program, working: Working, elastic: float | None) -> Answ
         if not answer.feasible:
             from equipoise.solve.conflict import explain
 
-            raise InfeasibleError(explain(program), where="limits", hint="relax one of them, or free more geometry")
+            raise InfeasibleError(
+                explain(program, working), where="limits", hint="relax one of them, or free more geometry"
+            )
         if elastic is None:
             answer = _aligned(program, polish(program, working, answer))
         if not _grow(program, working, answer):

@@ -21,12 +21,14 @@ def report(design: Design, out: Path | str) -> Path:
     Cams and drums that the design has `made` add a DXF and a CSV file each.
 
     A design without a verification is verified first; one that disagrees is reported as such. One without a tolerance
-    gets that of the default scatter. Files are made in
+    gets that of the default scatter, one
+    without a dead band that of the default friction. Files are made in
     a folder of their own and moved in place when all are there. Raises InputError where `out` cannot be written.
     """
     from equipoise.cables.behaviour import behaviour
     from equipoise.reporting.html import page
     from equipoise.reporting.jsonfile import dumps
+    from equipoise.rubbing import dead_band, held
     from equipoise.scattering import followed, tolerance
     from equipoise.verbs.verify import verify
     from equipoise.verification.saved import save
@@ -41,6 +43,8 @@ def report(design: Design, out: Path | str) -> Path:
                 design = verify(design)
             if design.tolerance is None and followed(design):
                 design = replace(design, tolerance=tolerance(design))
+            if design.dead_band is None and held(design):
+                design = replace(design, dead_band=dead_band(design))
             platform = design.mechanism.platform
             if design.cables is None and platform is not None and platform.cables:
                 design = replace(design, cables=behaviour(design))

@@ -215,10 +215,12 @@ def descend_all(
     progress: Progress | None,
 ) -> Optima:
     """All starts over few states, `rows` of them, the present geometry first; the best distinct ones again over all."""
-    ranked, _ = screen(coarse, rows, freedoms, PER_START * starts, seed, 10 * load, judge)
-    begin = spread_out(ranked, freedoms, starts)
-    if present is not None:
-        begin = np.vstack([present, begin[: starts - 1]])
+    if present is not None and starts == 1:
+        begin = present
+    else:
+        ranked, _ = screen(coarse, rows, freedoms, PER_START * starts, seed, 10 * load, judge)
+        begin = spread_out(ranked, freedoms, starts)
+        begin = begin if present is None else np.vstack([present, begin[: starts - 1]])
     found: list[Local] = []
     try:
         for done, gamma in enumerate(begin, 1):
@@ -268,11 +270,11 @@ def _distinct(found: list[Local], freedoms: Sequence[Freedom], count: int) -> li
     return chosen
 
 
-def thinned(sweep: Sweep, states: States) -> Sweep:
-    """A few hundred of the sweep's poses: an even choice and the most loaded ones."""
-    even = np.linspace(0, len(sweep.poses) - 1, COARSE * 3 // 4).astype(int)
+def thinned(sweep: Sweep, states: States, count: int = COARSE) -> Sweep:
+    """About `count` of the sweep's poses: an even choice and the most loaded ones."""
+    even = np.linspace(0, len(sweep.poses) - 1, count * 3 // 4).astype(int)
     loads = np.abs(states.holding).reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    heavy = np.argsort(-loads, axis=0)[: max(1, COARSE // 4 // loads.shape[1])].ravel()
+    heavy = np.argsort(-loads, axis=0)[: max(1, count // 4 // loads.shape[1])].ravel()
     keep = np.union1d(even, heavy)
     return sweep.thinned(keep)
 

@@ -89,7 +89,7 @@ def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
     if sweep.box is not None:
         poses = sweep.box[:, 0] + rng.random((count, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
         tries.append((poses, f"{count} random poses in the sweep's box"))
-    if sweep.finer is not None:
+    if sweep.finer is not None and (sweep.outline is not None or sweep.box is None):
         inside = sweep.finer()
         poses = inside.poses[inside.weight > 0]
         poses = poses[rng.permutation(len(poses))[:count]]

@@ -30,6 +30,11 @@ class ConstantPressure(Law):
     ambient: Pressure = STANDARD
     along: ClassVar[tuple[str, ...]] = ("m",)
 
+    @property
+    def drag(self) -> float | None:
+        """The seals' friction is not stated."""
+        return None
+
     def __post_init__(self) -> None:
         positive(self.area, "area", "law constant_pressure")
         self._charge.check("law constant_pressure")

@@ -51,6 +51,11 @@ class Gas(Law):
     temperature: Temperature = ROOM
     sources: ClassVar[tuple[str, ...]] = ("quaglia_yin_2015",)
 
+    @property
+    def drag(self) -> float | None:
+        """The seals' friction is not stated."""
+        return None
+
     def __post_init__(self) -> None:
         for name in ("area", "volume", "charged_at", "temperature"):
             positive(getattr(self, name), name, "law gas")

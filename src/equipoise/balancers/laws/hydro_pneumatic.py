@@ -50,6 +50,11 @@ class HydroPneumatic(Law):
     temperature: Temperature = ROOM
     sources: ClassVar[tuple[str, ...]] = ("quaglia_yin_2015",)
 
+    @property
+    def drag(self) -> float | None:
+        """The seals' friction is not stated."""
+        return None
+
     def __post_init__(self) -> None:
         where = "law hydro_pneumatic"
         positive(self.accumulator, "accumulator", where)

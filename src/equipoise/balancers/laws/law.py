@@ -62,6 +62,11 @@ class Law:
         return 0.0
 
     @property
+    def drag(self) -> float | None:
+        """Friction force of the spring itself, N, either way: 0 where there is none, None where it is not stated."""
+        return 0.0
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """What a description says beside the parameters."""
         return ()

@@ -11,10 +11,12 @@ import numpy as np
 
 from equipoise.balancers.paths.angle import HINGE
 from equipoise.balancers.paths.mount import Mount
+from equipoise.balancers.paths.rub import Rub, after
 from equipoise.balancers.paths.turn import Terms, Turn
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism, Point
+from equipoise.states import States
 from equipoise.units import Angle, Number
 
 PARALLEL = 1e-6
@@ -38,6 +40,11 @@ class Absolute(Turn):
     offset: Angle = 0.0
     datum: Literal["right", "up"] = "right"
     unit = "rad"
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """The belts or parallelograms that bring the angle to the base, where there is more than one joint."""
+        rate = self.deform(states)[1]
+        return after("mesh", rate) if np.count_nonzero(np.any(rate, axis=0)) > 1 else ()
 
     def terms(self, model: mujoco.MjModel) -> Terms:
         """Every hinge on the way to the body with its sign."""

@@ -14,6 +14,7 @@ from equipoise.balancers.paths.mount import along_mount
 from equipoise.balancers.paths.path import Moving, Need, Path, Place, Sketch
 from equipoise.balancers.paths.pulley import Pulley
 from equipoise.balancers.paths.rigging import guides, rig
+from equipoise.balancers.paths.rub import Rub
 from equipoise.balancers.paths.taut import CLOSE, Node, Taut, clearances, taut
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
@@ -49,6 +50,21 @@ class Cable(Path):
     def taut(self, states: States) -> Taut:
         """The cable with its runs and wraps."""
         return taut([_node(item, states) for item in self.through])
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """Every sheave by the share of half a turn that the cable wraps; an eye by the angle it turns the cable."""
+        cable = self.taut(states)
+        found = []
+        for index in range(1, len(self.through) - 1):
+            before, after = cable.direction[:, index - 1], cable.direction[:, index]
+            pace = np.abs(cable.rate)
+            if cable.nodes[index].wraps:
+                wrap = np.maximum(cable.wrap[:, index], 0.0)
+                found.append(Rub("rope", np.abs(self.ratio) * wrap / np.pi, pace))
+            else:
+                turn = np.arccos(np.clip((before * after).sum(-1), -1.0, 1.0))
+                found.append(Rub("slide", np.abs(self.ratio) * turn, pace))
+        return tuple(found)
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """An elastic cord's two ends; of a cable with a spring the first point and the hook at l from it."""

@@ -13,6 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.inputs import check_angle
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Moving, Path, Place
+from equipoise.balancers.paths.rub import Kind, Rub, of_crank, turning
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, Point
@@ -74,6 +75,16 @@ class Driven(Path):
             where=tag(type(self)),
             hint=self.remedy,
         )
+
+    def contacts(self, u: Array) -> tuple[tuple[Kind, Array, Array], ...]:
+        """Contacts per N of the spring at crank angles u (N,): kind, load (N,), pace (N,) per rad of the crank."""
+        return turning(u, ("pin", 1.0, 1.0))
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """Its own contacts, and those of its input under the torque that it asks for."""
+        u, rate = self.crank_angle(states)
+        _, slope = self.curve(u)
+        return (*of_crank(self.contacts(u), rate), *(rub.geared(slope) for rub in self.input.rubs(states)))
 
     def at(self, model: mujoco.MjModel) -> Mount:
         """The mount, given or at the input's shaft."""

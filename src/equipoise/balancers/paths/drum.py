@@ -8,9 +8,11 @@ import mujoco
 
 from equipoise.balancers.paths.inputs import check_angle
 from equipoise.balancers.paths.mount import Mount
+from equipoise.balancers.paths.rub import Rub, after
 from equipoise.balancers.paths.turn import Terms, Turn
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
+from equipoise.states import States
 from equipoise.units import Length
 
 
@@ -28,6 +30,10 @@ class Drum(Turn):
     radius: Length
     offset: Length = 0.0
     unit = "m"
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """The cable on the drum, and what its input rubs."""
+        return after("rope", self.deform(states)[1], self.radius, self.input.rubs(states))
 
     def terms(self, model: mujoco.MjModel) -> Terms:
         """The input's joints times the radius."""

@@ -13,6 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Place, Sketch
+from equipoise.balancers.paths.rub import Kind, turning
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
@@ -92,6 +93,18 @@ class FourBar(Driven):
         sine, cosine = np.sin(angle), np.cos(angle)
         x, y = g + c * cosine - a * np.cos(u), c * sine - a * np.sin(u)
         return angle, a * (y * np.cos(u) - x * np.sin(u)) / (c * (y * cosine - x * sine))
+
+    def contacts(self, u: Array) -> tuple[tuple[Kind, Array, Array], ...]:
+        """All four pins under the coupler's force, one newton metre over rocker times sin of the transmission angle."""
+        _, slope = self.curve(u)
+        (x, y), (dx, dy) = self._pin(u)
+        bx, by = self.crank * np.cos(u), self.crank * np.sin(u)
+        swing = ((x - bx) * (dy - bx) - (y - by) * (dx + by)) / self.coupler**2
+        lever = self.rocker * np.sin(self.transmission(u))
+        force = 1.0 / lever
+        return turning(
+            u, ("pin", force, 1.0), ("pin", force, 1.0 - swing), ("pin", force, slope - swing), ("pin", force, slope)
+        )
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """The spring is wound about the rocker's shaft, and its mass sits there."""

@@ -8,8 +8,10 @@ import mujoco
 
 from equipoise.balancers.paths.inputs import check_angle
 from equipoise.balancers.paths.mount import Mount
+from equipoise.balancers.paths.rub import Rub, after
 from equipoise.balancers.paths.turn import Terms, Turn
 from equipoise.mechanism import Mechanism
+from equipoise.states import States
 from equipoise.units import Angle, Number
 
 
@@ -28,6 +30,10 @@ class Gear(Turn):
     ratio: Number
     offset: Angle = 0.0
     unit = "rad"
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """Its own mesh, and what its input rubs."""
+        return after("mesh", self.deform(states)[1], self.ratio, self.input.rubs(states))
 
     def terms(self, model: mujoco.MjModel) -> Terms:
         """The input's joints times the ratio."""

@@ -13,6 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Place, Sketch
+from equipoise.balancers.paths.rub import Kind, turning
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
@@ -74,6 +75,12 @@ class InvertedSliderCrank(Driven):
         length = np.sqrt((self.crank - self.distance) ** 2 + 4 * self.crank * self.distance * np.sin(0.5 * u) ** 2)
         slope = self.crank * self.distance * np.sin(u)
         return length, slope / np.where(length == 0, 1.0, length)
+
+    def contacts(self, u: Array) -> tuple[tuple[Kind, Array, Array], ...]:
+        """Shaft, crank pin and swivel under the spring's force, which runs along the rod."""
+        a, (apart, _) = self.crank, self._apart(u)
+        swing = a * (a - self.distance * np.cos(u)) / apart**2
+        return turning(u, ("pin", 1.0, 1.0), ("pin", 1.0, 1.0 - swing), ("pin", 1.0, swing))
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """The crank pin, or the rod's seat, and the pivot."""

@@ -11,6 +11,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.paths.bodies import add_site
 from equipoise.balancers.paths.path import Path, Sketch
+from equipoise.balancers.paths.rub import Rub
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism, Point
@@ -41,6 +42,19 @@ class Line(Path):
         length = np.sqrt((gap * gap).sum(-1))
         rate = np.einsum("...i,...ij->...j", gap, jacobian_a - jacobian_b)
         return length, rate / np.where(length == 0, 1.0, length)[..., None]
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """A pin at each end, which turns as the line swings against its body; a twist about the line is free."""
+        (position_a, jacobian_a), (position_b, jacobian_b) = states.point(self.a), states.point(self.b)
+        gap, pace = position_a - position_b, jacobian_a - jacobian_b
+        square = np.maximum((gap * gap).sum(-1), 1e-18)[:, None, None]
+        swing = np.cross(gap[..., None], pace, axis=1) / square
+        one, found = np.ones(len(gap)), []
+        for point in (self.a, self.b):
+            against = swing - states.rotation(point.body)[1]
+            twist = gap[..., None] * np.einsum("ni,nij->nj", gap, against)[:, None, :] / square
+            found.append(Rub("pin", one, np.linalg.norm(against - twist, axis=1)))
+        return tuple(found)
 
     def ends(self) -> tuple[tuple[Point, float], ...]:
         """Points that carry the spring's own mass, with their shares."""

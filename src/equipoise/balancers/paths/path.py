@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal
 import mujoco
 
 from equipoise.affine import Array
+from equipoise.balancers.paths.rub import Rub
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, Point
 from equipoise.states import Spot, States
@@ -93,6 +94,10 @@ class Path(ABC):
 
     def weights(self) -> tuple[tuple[Place, Any], ...]:
         """Places and masses, kg, of the path's own parts."""
+        return ()
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:  # noqa: ARG002 - a joint's own angle rubs nowhere else
+        """Where the path rubs, at the states of one geometry."""
         return ()
 
     @abstractmethod

@@ -8,9 +8,11 @@ import mujoco
 
 from equipoise.balancers.paths.angle import Angle as Position
 from equipoise.balancers.paths.mount import Mount
+from equipoise.balancers.paths.rub import Rub, after
 from equipoise.balancers.paths.turn import Terms, Turn
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
+from equipoise.states import States
 from equipoise.units import Angle, Length
 
 
@@ -29,6 +31,10 @@ class Pinion(Turn):
     radius: Length
     offset: Angle = 0.0
     unit = "rad"
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """Its own mesh, and what its input rubs."""
+        return after("mesh", self.deform(states)[1], 1.0 / self.radius, self.input.rubs(states))
 
     def terms(self, model: mujoco.MjModel) -> Terms:
         """The slide over the radius."""

@@ -10,6 +10,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.paths.line import Line
 from equipoise.balancers.paths.path import Path, Place, Sketch
+from equipoise.balancers.paths.rub import Rub, after
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
@@ -34,6 +35,10 @@ class Reel(Path):
     def along(self, length: Array) -> tuple[Array, Array]:
         """The cable's own length."""
         return length, np.ones_like(length)
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """The cable on its reel."""
+        return after("rope", self.deform(states)[1])
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """A spring on a reel loads the platform with none of its own mass."""

@@ -13,6 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Place, Sketch
+from equipoise.balancers.paths.rub import Kind, turning
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
@@ -44,6 +45,10 @@ class ScotchYoke(Driven):
     def curve(self, u: Any) -> tuple[Any, Any]:
         """The yoke's place and its derivative."""
         return self.offset + self.radius * np.sin(u), self.radius * np.cos(u)
+
+    def contacts(self, u: Array) -> tuple[tuple[Kind, Array, Array], ...]:
+        """Shaft and crank pin, and the block in the slot: it slides radius |sin w| under the spring's force."""
+        return turning(u, ("pin", 1.0, 1.0), ("pin", 1.0, 1.0), ("slide", 1.0, self.radius * np.sin(u)))
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """The yoke, and the frame at l = 0."""

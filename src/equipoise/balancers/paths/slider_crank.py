@@ -13,6 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.driven import Driven
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Need, Place, Sketch
+from equipoise.balancers.paths.rub import Kind, turning
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
@@ -81,6 +82,15 @@ class SliderCrank(Driven):
         floor = CLOSE**2 * np.real(b) ** 2
         along = np.sqrt(square if square.ndim == 1 else np.where(np.real(square) > floor, square, floor))
         return across, along if self.sense == "forward" else -along
+
+    def contacts(self, u: Array) -> tuple[tuple[Kind, Array, Array], ...]:
+        """Shaft, both pins of the rod, which carries f / cos theta, and the slider that it presses aside."""
+        (a, b), (across, along) = self._sides, self._span(u)
+        _, slope = self.curve(u)
+        rod, swing = b / along, -a * np.cos(u) / along
+        return turning(
+            u, ("pin", rod, 1.0), ("pin", rod, 1.0 - swing), ("pin", rod, swing), ("slide", across / along, slope)
+        )
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """The slider, and the frame on its line."""

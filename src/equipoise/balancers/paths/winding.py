@@ -13,6 +13,7 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.mount import Mount
 from equipoise.balancers.paths.path import Moving, Place, Sketch
 from equipoise.balancers.paths.reel import Reel
+from equipoise.balancers.paths.rub import Rub, after
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, cable_ends
@@ -51,6 +52,10 @@ class Winding(Shaft):
     def shaft(self, model: mujoco.MjModel) -> Mount:
         """At the cable's anchor, in the plane of planar mechanisms."""
         return Mount(cable_ends(model, self.cable)[0])
+
+    def rubs(self, states: States) -> tuple[Rub, ...]:
+        """The cable on its reel."""
+        return after("rope", self.deform(states)[1])
 
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """The spring is wound about the reel, and its mass sits there."""

@@ -1,0 +1,1 @@
+"""Discovery: which springs at all, from a dictionary of candidates."""

@@ -1,0 +1,90 @@
+"""Between files and discovery: what a command line asks for, and the designs as files that other verbs accept."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from equipoise.design import Design
+from equipoise.discovery.plain import plain_problem
+from equipoise.errors import InputError
+from equipoise.loops import ancestors
+from equipoise.mechanism import Mechanism
+from equipoise.problem import Problem, problem_of
+from equipoise.targets import Target
+from equipoise.units import to_si
+from equipoise.yamlfile import Document
+
+POSES = 2048
+
+
+def asked(target: Target, payload: str | None, at: str | None, springs: int | None, kinds: str | None) -> Problem:
+    """The problem of a discovery: the file's own, or a robot's over its joint limits, changed by options.
+
+    payload lists masses (`0,5kg`), at names the body that carries them (default: the tip of the longest chain),
+    kinds lists tags. Raises InputError for masses that cannot be read.
+    """
+    problem = target.problem
+    content: dict[str, Any] = copy.deepcopy(dict(problem.raw))
+    if target.bare:
+        content["sweep"] = {"sobol": POSES, "seed": 0}
+        content["objective"] = {"goal": "hold", "norm": "peak"}
+    elif not problem.content.discover and problem.content.balancers:
+        raise InputError(
+            "the file says its balancers, so there is nothing to discover",
+            where=problem.document.name,
+            hint="put `discover: {springs: 3}` in the place of `balancers`, or use `equipoise shape`",
+        )
+    changed: dict[str, Any] = dict(content.get("discover") or {})
+    changed |= {"springs": springs} if springs is not None else {}
+    changed |= {"kinds": [kind.strip() for kind in kinds.split(",")]} if kinds is not None else {}
+    content["discover"] = changed
+    for key in ("balancers", "shape", "start"):
+        content.pop(key, None)
+    if payload is not None:
+        sweep = content.setdefault("sweep", {"sobol": POSES, "seed": 0})
+        sweep["payload"] = [{"body": at or tip(problem.mechanism), "mass": masses(payload)}]
+    made = problem_of(Document(problem.document.name, content), problem.folder)
+    made.check()
+    return made
+
+
+def masses(text: str) -> list[float]:
+    """Masses, kg, from a list such as `0,5kg` or `0, 2.5 kg, 5 kg`; a bare number is kg."""
+    found = []
+    for word in text.split(","):
+        try:
+            found.append(float(word))
+        except ValueError:
+            found.append(to_si(word.strip(), "kg", where="--payload"))
+    for mass in found:
+        if not (np.isfinite(mass) and mass >= 0):
+            raise InputError(f"a payload of {mass:g} kg", where="--payload", hint="for example 0,5kg")
+    return found
+
+
+def tip(mechanism: Mechanism) -> str:
+    """The body at the end of the longest chain of hinges: where a payload is carried unless said otherwise."""
+    model = mechanism.model
+    reach = np.zeros(model.nbody)
+    slid = np.zeros(model.nbody, dtype=bool)
+    for body in range(1, model.nbody):
+        parent = int(model.body_parentid[body])
+        reach[body] = reach[parent] + np.linalg.norm(model.body_pos[body])
+        own = model.jnt_type[model.body_jntadr[body]] if model.body_jntnum[body] else None
+        # A slide at the end of a chain is a finger.
+        slid[body] = slid[parent] or own == mujoco.mjtJoint.mjJNT_SLIDE
+    best = max(
+        range(1, model.nbody),
+        key=lambda body: (not slid[body], len(ancestors(model, body)), round(float(reach[body]), 9), -body),
+    )
+    return str(model.body(best).name)
+
+
+def design_problem(design: Design, problem: Problem) -> Problem:
+    """The problem file of a found design: it says what was found, for `verify`, `report` and `shape`."""
+    found = plain_problem(problem.raw, design.balancers, design.limits, design.bounds)
+    return problem_of(Document(problem.document.name, found), problem.folder)

@@ -1,0 +1,209 @@
+"""From a request to its dictionary: pairs, places, states, columns."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.discovery.dictionary import Dictionary
+from equipoise.discovery.ground import Ground
+from equipoise.discovery.kinds import Scene
+from equipoise.discovery.lattice import Spots, lattice, listed
+from equipoise.discovery.request import Discover
+from equipoise.errors import InfeasibleError, InputError
+from equipoise.mechanism import Mechanism
+from equipoise.objective import Aim
+from equipoise.states import States
+from equipoise.sweep import Sweep
+from equipoise.verbs.analyze import Analysis, analyze
+from equipoise.verbs.shape import thinned
+
+FINEST = 0.125
+COARSER = 1.1
+"""The lattice starts at this share of the margin and coarsens by this factor until the candidates fit."""
+MARGIN = 0.1
+"""Margin about the links as a share of the mechanism's size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Collection:
+    """A dictionary with what it was made from: scene, states of all scenarios, the bare loads, spacing, margin (m)."""
+
+    request: Discover
+    scene: Scene
+    dictionary: Dictionary
+    states: States
+    analysis: Analysis
+    spacing: float
+    margin: float
+
+    @property
+    def reached(self) -> set[int]:
+        """Numbers of the joints that some candidate acts on."""
+        mechanism = self.scene.ground.mechanism
+        if mechanism.model.neq or not all(kind.lines for kind in self.request.kinds):
+            return set(range(mechanism.model.njnt))
+        pairs = [(a.body, b.body) for a, b in self.scene.pairs]
+        return {joint for pair in pairs for joint in self.scene.ground.between(*pair)}
+
+    @property
+    def refused(self) -> dict[str, int]:
+        """How many candidates each filter removed."""
+        return dict(self.scene.refused)
+
+
+def collect(mechanism: Mechanism, sweep: Sweep, request: Discover, aim: Aim) -> Collection:
+    """All candidates of a request over a sweep.
+
+    Raises InputError where there is nothing to pair, InfeasibleError, naming what removed how many, where no
+    candidate is left.
+    """
+    if sweep.moves is not None:
+        raise InputError("discover looks for springs that hold a mechanism at rest", where="sweep", hint="sweep poses")
+    whole = mechanism.states(sweep)
+    few = thinned(sweep, whole, request.poses) if len(sweep.poses) > request.poses else sweep
+    states = mechanism.states(few)
+    found = analyze(mechanism, few)
+    ground = Ground(mechanism, np.abs(whole.holding).max(axis=0), found.worth)
+    pairs = _pairs(ground, request)
+    margin = request.margin or MARGIN * ground.size
+    spots, spacing = _spots(ground, pairs, request, margin)
+    bare = mechanism.states(replace(few, payloads=(), scenarios=np.zeros((1, 0))))
+    columns, scale = aim.columns(mechanism)
+    used = _used(ground, pairs, request, columns, states)
+    columns, scale = columns[used], scale[used]
+
+    def counted(effort: Array) -> Array:
+        rows = effort[..., columns] * scale
+        return rows.reshape(*rows.shape[:-2], -1)
+
+    moving = tuple(body for body in ground.groups if ground.between("world", body) and _carries(ground, body))
+    bodies = _bodies(ground, moving, request, margin, spacing)
+    scene = Scene(ground, bare, counted, spots, found.worth, bodies, _keeper(request), Counter())
+    batches = tuple(batch for kind in request.kinds for batch in kind.batches(scene))
+    if not batches:
+        raise InfeasibleError(
+            f"no candidate is left: {removed(scene.refused)}",
+            where="discover",
+            hint="widen the margin, refine the spacing, allow more stretch or other kinds",
+        )
+    loads = counted(states.holding.reshape(len(few.scenarios), -1, states.holding.shape[1]))
+    weight = np.repeat(bare.weight / bare.weight.sum(), len(columns))
+    return Collection(request, scene, Dictionary(batches, loads, weight, len(columns)), states, found, spacing, margin)
+
+
+def removed(refused: Mapping[str, int]) -> str:
+    """What removed how many candidates, in words."""
+    parts = [f"{count} by {reason!r}" for reason, count in refused.items() if count]
+    return "; ".join(parts) or "there was none to begin with"
+
+
+def _pairs(ground: Ground, request: Discover) -> tuple[tuple[str, str], ...]:
+    if len(ground.groups) < 2:
+        raise InputError(
+            f"{ground.mechanism.name} has one usable body, a spring needs two that move against each other",
+            where="discover",
+            hint="check the joints of the file",
+        )
+    if request.pairs is None and not ground.worth:
+        raise InputError("gravity loads no joint enough to be worth a spring", where="discover", hint="name `pairs`")
+    found = ground.pairs() if request.pairs is None else request.pairs
+    forbidden = {frozenset(ground.group_of(body).body for body in pair) for pair in request.forbid}
+    for pair in found:
+        if request.pairs is not None and not ground.between(*pair):
+            raise InputError(
+                f"{pair[0]} and {pair[1]} move as one", where="discover.pairs", hint=", ".join(ground.groups)
+            )
+    kept = tuple(pair for pair in found if frozenset(ground.group_of(b).body for b in pair) not in forbidden)
+    if not kept:
+        raise InputError(
+            f"all {len(found)} pairs are forbidden", where="discover.forbid", hint="forbid fewer, or name `pairs`"
+        )
+    return kept
+
+
+def _spots(
+    ground: Ground, pairs: Sequence[tuple[str, str]], request: Discover, margin: float
+) -> tuple[tuple[tuple[Spots, Spots], ...], float]:
+    """Places on both bodies of all pairs, as fine as the number of candidates admits."""
+    own = {body: listed(ground, body, points, margin) for body, points in (request.points or {}).items()}
+    spacing = request.spacing or FINEST * margin
+    while True:
+        found = []
+        for pair in pairs:
+            made = lattice(ground, pair, spacing, margin, request.aside)
+            found.append(tuple(own.get(spots.body, spots) for spots in made))
+        count = sum(len(a.places) * len(b.places) for a, b in found)
+        if count <= request.candidates:
+            return tuple(found), spacing
+        if request.spacing is not None or all(body in own for pair in pairs for body in pair):
+            raise InputError(
+                f"{count} candidates, the most is {request.candidates}",
+                where="discover.spacing" if request.spacing else "discover.points",
+                hint="widen the spacing, list fewer points, or raise `candidates`",
+            )
+        if spacing > 4 * margin + ground.size:
+            raise InputError(
+                f"{len(pairs)} pairs do not fit into {request.candidates} candidates",
+                where="discover.candidates",
+                hint="raise `candidates` or name `pairs`",
+            )
+        spacing *= COARSER
+
+
+def _bodies(
+    ground: Ground, moving: Sequence[str], request: Discover, margin: float, spacing: float
+) -> tuple[Spots, ...]:
+    """Places on every moving body, for weights."""
+    found = []
+    for body in moving:
+        points = (request.points or {}).get(body)
+        if points is not None:
+            found.append(listed(ground, body, points, margin))
+        else:
+            found.append(lattice(ground, (body, body), spacing, margin, 0.0)[0])
+    return tuple(found)
+
+
+def _carries(ground: Ground, body: str) -> bool:
+    """Whether a joint that is worth something lies between the base and a body."""
+    ids = {ground.mechanism.joint_id(joint) for joint in ground.worth}
+    return bool(ids & set(ground.between("world", body)))
+
+
+def _used(
+    ground: Ground, pairs: Sequence[tuple[str, str]], request: Discover, columns: NDArray[np.int_], states: States
+) -> NDArray[np.intp]:
+    """Which counted rows are loaded, or may become so."""
+    mechanism = ground.mechanism
+    spanned = {joint for pair in pairs for joint in ground.between(*pair)}
+    weights = not all(kind.lines for kind in request.kinds)
+    loads = np.abs(states.holding).max(axis=0)
+    return np.array(
+        [
+            place
+            for place, column in enumerate(columns)
+            if weights
+            or int(mechanism.driven_ids[column]) in spanned
+            or loads[column] > 1e-9 * loads.max()
+            or mechanism.model.neq
+        ],
+        dtype=int,
+    )
+
+
+def _keeper(request: Discover):
+    def keep(pair: tuple[str, str], a: Array, b: Array) -> Mapping[str, NDArray[np.bool_]]:
+        bad = np.zeros(len(a), dtype=bool)
+        for region in request.keep_out:
+            for body, places in zip(pair, (a, b), strict=True):
+                if region.body == body:
+                    bad |= region.holds(places)
+        return {"keep out": bad} if request.keep_out else {}
+
+    return keep

@@ -1,0 +1,145 @@
+"""The dictionary: the effort of every candidate per unit of its unknown, over all states, and its compression."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.discovery.kinds.kind import Batch, Proposal
+
+ACCURACY = 1e-4
+"""Largest share of a column that compression may lose."""
+FIRST = 48
+"""Random combinations that the range is first looked for with."""
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Compressed:
+    """The dictionary in an orthonormal basis of its range: |b + A k|^2 = |load + columns k|^2 + constant.
+
+    columns (r, C) and load (r,) carry the weights of the rows; k counts in units of each candidate's most, so that
+    0 <= k <= 1; lost is the largest share of a column outside the basis, constant what no column can change.
+    """
+
+    columns: Array
+    load: Array
+    constant: float
+    lost: float
+
+    @property
+    def rank(self) -> int:
+        """How many directions the candidates span."""
+        return len(self.load)
+
+
+@dataclass(frozen=True, eq=False)
+class Dictionary:
+    """All candidates as batches of columns, and the loads (S, rows) of S payload scenarios that they work against.
+
+    weight (rows,) sums to one over the states; blocks is the number of counted rows per state.
+    """
+
+    batches: tuple[Batch, ...]
+    loads: Array
+    weight: Array
+    blocks: int
+
+    def __len__(self) -> int:
+        return sum(map(len, self.batches))
+
+    @cached_property
+    def starts(self) -> NDArray[np.intp]:
+        """Number of the first candidate of each batch."""
+        return np.cumsum([0, *map(len, self.batches)])[:-1]
+
+    @cached_property
+    def upper(self) -> Array:
+        """The most of each unknown (C,)."""
+        return np.concatenate([batch.upper for batch in self.batches])
+
+    @cached_property
+    def spots(self) -> NDArray[np.intp]:
+        """A number (C,) per place, shared by its variants."""
+        found, first = [], 0
+        for batch in self.batches:
+            found.append(batch.spot + first)
+            first += int(batch.spot.max(initial=-1)) + 1
+        return np.concatenate(found)
+
+    def find(self, index: int) -> tuple[int, int]:
+        """Batch and place within it of a candidate."""
+        batch = int(np.searchsorted(self.starts, index, side="right")) - 1
+        return batch, index - int(self.starts[batch])
+
+    def propose(self, index: int, number: int) -> Proposal:
+        """A candidate as the number-th balancer of a design."""
+        batch, within = self.find(index)
+        return self.batches[batch].propose(within, f"{self.batches[batch].letter}{number}")
+
+    def places(self, subset: tuple[int, ...]) -> tuple[str, ...]:
+        """Where the members of a subset sit, sorted."""
+        return tuple(sorted(self.batches[self.find(index)[0]].place for index in subset))
+
+    def columns(self, subset: tuple[int, ...]) -> Array:
+        """Columns (rows, n) of a subset, per unit of k."""
+        found = []
+        for index in subset:
+            batch, within = self.find(index)
+            found.append(self.batches[batch].column(within) * self.upper[index])
+        return np.stack(found, axis=1)
+
+    def compress(self, emphasis: Array | None = None, fixed: Array | None = None) -> Compressed:
+        """Rank compression under the rows' weights, times an emphasis (S, rows) where one is given.
+
+        The range is found from random combinations of columns, as many as it takes [halko_martinsson_tropp_2011].
+        fixed (rows, n) are columns that are there already at a known level: they join the load.
+        """
+        every = np.ones_like(self.loads) if emphasis is None else emphasis
+        heavy = self.weight * every / len(self.loads)
+        loads = self.loads if fixed is None else self.loads + fixed
+        total = heavy.sum(axis=0)
+        mean = (heavy * loads).sum(axis=0) / np.maximum(total, 1e-300)
+        spread = float((heavy * (loads - mean) ** 2).sum())
+        root = np.sqrt(total)
+        target = root * mean
+        norms = np.concatenate([self._norms(batch, root) for batch in self.batches]) * self.upper
+        basis, columns, lost = self._range(root, norms)
+        load = basis.T @ target
+        constant = spread + max(float(target @ target - load @ load), 0.0)
+        return Compressed(columns, load, constant, lost)
+
+    def _range(self, root: Array, norms: Array) -> tuple[Array, Array, float]:
+        rng, count = np.random.default_rng(0), FIRST
+        size = np.maximum(norms, 1e-300)
+        while True:
+            mixed = np.zeros((len(root), min(count, len(self))))
+            for first, batch in zip(self.starts, self.batches, strict=True):
+                part = slice(first, first + len(batch))
+                scale = (self.upper / size)[part, None]
+                random = rng.standard_normal((len(batch), mixed.shape[1])) if count < len(self) else None
+                if random is None:
+                    mixed[:, part] = root[:, None] * batch.times(np.diagflat(scale))
+                else:
+                    mixed += root[:, None] * batch.times(scale * random)
+            left, values, _ = np.linalg.svd(mixed, full_matrices=False)
+            basis = left[:, values > ROUNDING * values[0]]
+            turned = (basis * root[:, None]).T
+            columns = np.hstack([batch.under(turned) for batch in self.batches]) * self.upper
+            kept = np.einsum("rc,rc->c", columns, columns) / size**2
+            lost = float(np.sqrt(np.maximum(1.0 - kept, 0.0))[norms > 0].max(initial=0.0))
+            if lost <= ACCURACY or count >= min(len(self), len(root)):
+                return basis, columns, lost
+            count *= 2
+
+    @staticmethod
+    def _norms(batch: Batch, root: Array) -> Array:
+        weighted = batch.generators * root[:, None]
+        if batch.coefficients is None:
+            return np.sqrt(np.einsum("rc,rc->c", weighted, weighted))
+        small = np.linalg.qr(weighted, mode="r") @ batch.coefficients
+        return np.sqrt(np.einsum("rc,rc->c", small, small))

@@ -1,0 +1,69 @@
+"""Ideal springs of zero free length, whose effort is bilinear in the attachment points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.balancers.laws import Law, ZeroFreeLength
+from equipoise.discovery.kinds.kind import Batch, Proposal
+from equipoise.discovery.kinds.lines import LineKind, Lines
+from equipoise.limits import Force, Limit, Stroke
+from equipoise.units import Force as Newtons
+from equipoise.units import Length, text
+
+
+@dataclass(frozen=True)
+class Ideal(LineKind):
+    """Springs of zero free length, f = k l: what a cable over a guide makes of a coil.
+
+        dV/dq = k sum_ij a_i b_j E_ij(q),   a = (1, a_x, a_y, a_z), b likewise
+
+    so per pair of bodies 16 generators E span all couples of points. force in N is the most that a spring may pull,
+    stroke in m the most that it may stretch.
+    """
+
+    force: Newtons = 5000.0
+    stroke: Length | None = None
+
+    @property
+    def words(self) -> str:
+        """Zero free length."""
+        return "zero free length"
+
+    @property
+    def most(self) -> float:
+        """The largest force, N."""
+        return self.force
+
+    def refuses(self, lines: Lines) -> Mapping[str, NDArray[np.bool_]]:
+        """The stroke."""
+        if self.stroke is None:
+            return {}
+        return {f"stroke above {text(self.stroke, 'm')}": lines.longest - lines.shortest > self.stroke}
+
+    def batch(self, lines: Lines) -> Batch:
+        """The pair's generators and the products of the places; no column is spelled out."""
+
+        def propose(index: int, name: str) -> Proposal:
+            return self.proposal(lines, index, name)
+
+        upper = self.force / lines.longest
+        return Batch(lines.place, lines.form.pull, lines.products(), upper, np.arange(len(lines)), propose)
+
+    def open(self, numbers: Mapping[str, Array]) -> Law:  # noqa: ARG002 - an ideal spring has none
+        """f = k l."""
+        return ZeroFreeLength()
+
+    def settled(self, one: Lines) -> Law:  # noqa: ARG002
+        """f = k l."""
+        return ZeroFreeLength()
+
+    def limits(self, name: str, one: Lines) -> tuple[Limit, ...]:  # noqa: ARG002
+        """Force and stroke."""
+        found: tuple[Limit, ...] = (Force(name, max=self.force),)
+        return found if self.stroke is None else (*found, Stroke(name, max=self.stroke))

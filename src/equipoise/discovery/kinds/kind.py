@@ -1,0 +1,113 @@
+"""What every kind of candidate answers: columns of effort, bounds, and the balancer that a chosen one becomes."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.assemble import Balancer
+from equipoise.discovery.ground import Ground
+from equipoise.limits import Limit
+from equipoise.states import States
+
+if TYPE_CHECKING:
+    from equipoise.discovery.lattice import Spots
+
+Counted = Callable[[Array], Array]
+"""Effort (..., N, nd) to the rows (..., N R) that the objective counts, scaled."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What columns are computed over: the ground, states of one payload scenario, the rows that count, filters.
+
+    keep says which candidates may stay, by what they were refused, from places (C, 3) on both bodies of a pair;
+    refused counts the others by reason.
+    """
+
+    ground: Ground
+    states: States
+    counted: Counted
+    pairs: tuple[tuple[Spots, Spots], ...]
+    joints: tuple[str, ...]
+    bodies: tuple[Spots, ...]
+    keep: Callable[[tuple[str, str], Array, Array], Mapping[str, NDArray[np.bool_]]]
+    refused: Counter[str] = field(default_factory=Counter)
+
+    def sift(self, count: int, reasons: Mapping[str, NDArray[np.bool_]]) -> NDArray[np.bool_]:
+        """Which of `count` candidates no reason refuses; the first reason that refuses one is counted."""
+        kept = np.ones(count, dtype=bool)
+        for reason, bad in reasons.items():
+            self.refused[reason] += int((kept & bad).sum())
+            kept &= ~bad
+        return kept
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A candidate as a balancer: its limits, the geometry that may move {parameter: (low, high)}, its own unknowns."""
+
+    balancer: Balancer
+    limits: tuple[Limit, ...] = ()
+    free: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """C candidates of one kind at one place: column c is generators @ coefficients[:, c], per unit of its unknown.
+
+    generators (rows, g) and coefficients (g, C), or None for as many columns as generators; upper (C,) is the most
+    of each unknown; spot (C,) numbers the places, which variants of one place share; propose(index, name) makes the
+    balancer of a candidate.
+    """
+
+    place: str
+    generators: Array
+    coefficients: Array | None
+    upper: Array
+    spot: NDArray[np.intp]
+    propose: Callable[[int, str], Proposal]
+    letter: str = "s"
+
+    def __len__(self) -> int:
+        return len(self.upper)
+
+    def times(self, right: Array) -> Array:
+        """Columns (rows, C) times a matrix (C, m)."""
+        return self.generators @ (right if self.coefficients is None else self.coefficients @ right)
+
+    def under(self, left: Array) -> Array:
+        """A matrix (m, rows) times the columns."""
+        return left @ self.generators if self.coefficients is None else (left @ self.generators) @ self.coefficients
+
+    def column(self, index: int) -> Array:
+        """One column (rows,)."""
+        if self.coefficients is None:
+            return self.generators[:, index]
+        return self.generators @ self.coefficients[:, index]
+
+
+class Kind(ABC):
+    """A kind of candidate: it makes batches of columns on a scene."""
+
+    sources: ClassVar[tuple[str, ...]] = ()
+    lines: ClassVar[bool] = False
+    """Whether its candidates are couples of points on pairs of bodies."""
+    variants: ClassVar[int] = 1
+    """Columns per couple of points."""
+
+    @abstractmethod
+    def batches(self, scene: Scene) -> list[Batch]:
+        """All candidates of this kind."""
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """What the kind is called in reports."""

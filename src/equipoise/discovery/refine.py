@@ -1,0 +1,131 @@
+"""From chosen candidates to designs: subsets judged by the objective's own norm, then shaped."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from equipoise.affine import Array, Unknown
+from equipoise.assemble import Balancer, effort, storage
+from equipoise.discovery.collect import Collection
+from equipoise.discovery.kinds import Batch, Proposal
+from equipoise.discovery.subsets import Search, Subset
+from equipoise.limits import Limit
+from equipoise.mechanism import Mechanism
+from equipoise.objective import Aim
+from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.solve.exchange import Solution, solve
+from equipoise.solve.program import Norm, Program, Term
+from equipoise.solve.shape import Freedom, Local, descend
+from equipoise.sweep import Sweep
+from equipoise.verbs.balance import Task, task_of
+from equipoise.verbs.shape import load_of
+
+ITERATIONS = 40
+PRECISION = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Balancers with the limits they must keep and the geometry {parameter: (low, high)} that may move."""
+
+    balancers: tuple[Balancer, ...]
+    limits: tuple[Limit, ...]
+    free: Mapping[str, tuple[float, float]]
+
+    @staticmethod
+    def of(proposals: Sequence[Proposal]) -> Parts:
+        """Several proposals together."""
+        free = {name: bounds for proposal in proposals for name, bounds in proposal.free.items()}
+        limits = tuple(limit for proposal in proposals for limit in proposal.limits)
+        return Parts(tuple(proposal.balancer for proposal in proposals), limits, free)
+
+    def at(self, values: Mapping[str, float]) -> Parts:
+        """The same parts at another geometry."""
+        return replace(self, balancers=write(self.balancers, values))
+
+    def with_one(self, proposal: Proposal) -> Parts:
+        """The parts and one more."""
+        one = Parts.of([proposal])
+        return Parts((*self.balancers, *one.balancers), (*self.limits, *one.limits), {**self.free, **one.free})
+
+
+def judge(collection: Collection, subset: Subset, norm: Norm) -> float:
+    """The objective's own norm of a subset at the best 0 <= k <= most, over the dictionary's states."""
+    dictionary = collection.dictionary
+    A = dictionary.columns(subset).reshape(-1, dictionary.blocks, len(subset))
+    scenarios = len(dictionary.loads)
+    b = dictionary.loads.reshape(-1, dictionary.blocks)
+    weight = np.tile(dictionary.weight[:: dictionary.blocks], scenarios)
+    unknowns = tuple(Unknown(str(index), "", 0.0, 1.0) for index in subset)
+    term = Term("hold", norm, b, np.tile(A, (scenarios, 1, 1)), weight / weight.sum(), (1,) * dictionary.blocks)
+    return solve(Program(unknowns, (term,))).objective
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Parts shaped over few poses: geometry, unknowns, the objective's value, and the energy, J, they exchange."""
+
+    parts: Parts
+    geometry: Mapping[str, float]
+    theta: Array
+    value: float
+    excess: float
+    energy: float
+
+
+class Refiner:
+    """Shapes parts over few of the sweep's poses, from where they stand."""
+
+    def __init__(self, mechanism: Mechanism, few: Sweep, objective: Sequence[Aim], limits: Sequence[Limit]) -> None:
+        self.mechanism, self.few = mechanism, few
+        self.objective, self.limits = tuple(objective), tuple(limits)
+        self.states = mechanism.states(few)
+
+    def task(self, parts: Parts) -> Task:
+        """The question that parts pose."""
+        return task_of(self.mechanism, parts.balancers, self.few, None, self.objective, (*self.limits, *parts.limits))
+
+    def refine(self, parts: Parts) -> Refined:
+        """Sequential convex programming from the present geometry; without geometry to move, one convex solve."""
+        task = self.task(parts)
+        load = load_of(task, self.states)
+        if not parts.free:
+            solution = solve(task.program(self.states), elastic=30 * load)
+            return self._refined(parts, {}, solution, solution.excess)
+        names = list(parts.free)
+        freedoms = [Freedom(n, unit_of(parts.balancers, n), *parts.free[n]) for n in names]
+        start = np.array([read(parts.balancers, name) for name in names], dtype=float)
+
+        def build(gamma: Array) -> Program:
+            return task.program(self.states, candidates(task.balancers, names, gamma))
+
+        local: Local = descend(build, freedoms, start, load, iterations=ITERATIONS, precision=PRECISION)
+        geometry = {name: float(value) for name, value in zip(names, local.gamma, strict=True)}
+        return self._refined(parts.at(geometry), geometry, local.solution, local.excess)
+
+    def _refined(self, parts: Parts, geometry: Mapping[str, float], solution: Solution, excess: float) -> Refined:
+        energy = storage(parts.balancers, self.states)
+        place = {unknown.name: value for unknown, value in zip(solution.program.unknowns, solution.theta, strict=True)}
+        stored = energy.at(np.array([place[unknown.name] for unknown in energy.unknowns])).sum(axis=-1)
+        return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)))
+
+
+def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[int]:
+    """Candidates that best join parts already refined, whose own unknowns stay free."""
+    total = effort(collection.scene.ground.mechanism, refined.parts.balancers, collection.scene.states)
+    columns = collection.scene.counted(np.moveaxis(total.A, -1, 0)).T
+    size = np.maximum(2.0 * np.abs(refined.theta), 1e-12)
+    there = Batch("there", columns, None, size, np.arange(len(size)), _never)
+    dictionary = replace(collection.dictionary, batches=(*collection.dictionary.batches, there))
+    first = len(collection.dictionary)
+    search = Search.of(dictionary.compress(emphasis), dictionary.spots)
+    value = search.extended(tuple(range(first, first + len(size))))[:first]
+    order = np.argsort(value, kind="stable")[:count]
+    return [int(index) for index in order if np.isfinite(value[index])]
+
+
+def _never(index: int, name: str) -> Proposal:
+    raise NotImplementedError

@@ -1,0 +1,298 @@
+"""discover: columns against the assembled effort, subsets against brute force, fronts against known optima."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+import equipoise as eq
+from equipoise.assemble import effort
+from equipoise.discovery.ask import masses, tip
+from equipoise.discovery.collect import collect
+from equipoise.discovery.plain import plain_problem
+from equipoise.discovery.subsets import Search
+from equipoise.errors import InfeasibleError
+from equipoise.problem import problem_of
+from equipoise.yamlfile import Document
+
+G = 9.81
+
+
+def arm(**options):
+    links = [
+        eq.Link("upper", length=0.5, mass=3.0),
+        eq.Link("fore", length=0.4, mass=2.0, com=(0.15, 0.02)),
+    ]
+    return eq.chain(links, base=(0.0, 0.0, 0.3), **options)
+
+
+def spatial():
+    """A turret and two links whose axes are not parallel to those of their frames."""
+    links = [
+        eq.Link("turret", length=0.2, mass=2.0, axis=(0, 0, 1)),
+        eq.Link("boom", length=0.5, mass=3.0, com=(0.2, 0.03, 0.05)),
+        eq.Link("hand", length=0.3, mass=0.7, axis=(0, 0.6, 0.8)),
+    ]
+    return eq.chain(links, name="spatial")
+
+
+KINDS = {
+    "ideal": eq.Ideal(),
+    "coils": eq.Coils(stretch=4.0),
+    "constant": eq.ConstantForce(stroke=0.4),
+    "gas": eq.GasStruts(reach=3.0),
+    "torsion": eq.TorsionSprings(),
+    "counterweights": eq.Counterweights(mass=3.0),
+}
+
+
+@pytest.fixture(scope="module", params=["planar", "spatial"])
+def posed(request):
+    mech = arm() if request.param == "planar" else spatial()
+    payload = [eq.Payload(mech.bodies[-1], (0.0, 1.0), (0.1, 0.0, 0.0))]
+    return mech, eq.Sweep.sobol(mech, 64, payload=payload)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_columns_are_the_effort_of_the_balancers_they_become(posed, kind):
+    """A column times its unknown is what the proposed balancer does, at the values the column stands for."""
+    mech, sweep = posed
+    found = collect(mech, sweep, eq.Discover(kinds=(KINDS[kind],), candidates=300), eq.Aim(norm="peak"))
+    dictionary, states = found.dictionary, found.scene.states
+    rng = np.random.default_rng(3)
+    assert np.abs(dictionary.loads[1] - dictionary.loads[0]).max() > 0.1
+    for index in rng.choice(len(dictionary), 6):
+        proposal = dictionary.propose(int(index), 1)
+        total = effort(mech, [proposal.balancer], states)
+        rows = np.stack([found.scene.counted(total.A[..., p]) for p in range(total.A.shape[-1])], axis=-1)
+        known = found.scene.counted(total.b - states.holding)
+        column = dictionary.columns((int(index),))[:, 0]
+        scale = np.abs(column).max()
+        # The column lies in the span of the balancer's own unknowns: nothing is promised that it cannot do.
+        theta = np.linalg.lstsq(rows, column, rcond=None)[0]
+        np.testing.assert_allclose(rows @ theta, column, atol=1e-9 * scale)
+        assert np.abs(known).max() < 0.02 * scale + 1e-9
+        if kind == "ideal":
+            longest = proposal.balancer.path.deform(states)[0].max()
+            assert theta[0] * longest == pytest.approx(5000.0, rel=1e-9)
+
+
+def test_compression_keeps_every_norm(posed):
+    mech, sweep = posed
+    request = eq.Discover(kinds=(eq.Ideal(), eq.Coils(stretch=4.0), eq.Counterweights()), candidates=400)
+    dictionary = collect(mech, sweep, request, eq.Aim(norm="rms")).dictionary
+    short = dictionary.compress()
+    assert short.lost < 1e-4
+    rng = np.random.default_rng(1)
+    for _ in range(5):
+        subset = tuple(int(i) for i in rng.choice(len(dictionary), 4, replace=False))
+        k = rng.random(4)
+        whole = dictionary.loads + dictionary.columns(subset) @ k
+        exact = float((dictionary.weight * whole**2).sum() / len(whole))
+        left = short.load + short.columns[:, list(subset)] @ k
+        assert float(left @ left) + short.constant == pytest.approx(exact, rel=1e-3)
+
+
+def test_ideal_springs_span_few_functions(posed):
+    mech, sweep = posed
+    dictionary = collect(mech, sweep, eq.Discover(candidates=2000), eq.Aim(norm="rms")).dictionary
+    assert len(dictionary) > 300
+    assert dictionary.compress().rank <= 16 * len(dictionary.batches)
+
+
+def brute(columns, load, spots, size):
+    """The best subset by a bounded least-squares solve of every one."""
+    best = np.inf, ()
+    for subset in itertools.combinations(range(columns.shape[1]), size):
+        if len({int(spots[i]) for i in subset}) < size:
+            continue
+        value = 2 * lsq_linear(columns[:, list(subset)], -load, bounds=(0, 1), tol=1e-12).cost
+        best = min(best, (value, subset))
+    return best
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("tight", [False, True])
+def test_pairs_are_those_of_an_exhaustive_search(seed, tight):
+    """Closed form against a solver, with bounds that bind and columns of one place that exclude each other."""
+    rng = np.random.default_rng(seed)
+    columns = rng.normal(size=(5, 24)) * (0.4 if tight else 4.0)
+    columns[:, 7] = 1.3 * columns[:, 3]
+    load, spots = rng.normal(size=5), np.repeat(np.arange(12), 2)
+    search = Search(columns, load, spots)
+    value, subset = search.pairs(8)[0]
+    expected, chosen = brute(columns, load, spots, 2)
+    assert value == pytest.approx(expected, rel=1e-6, abs=1e-9)
+    assert search.solve(subset)[0] == pytest.approx(search.solve(chosen)[0], rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_triples_by_beam_and_exchange_are_the_best(seed):
+    rng = np.random.default_rng(seed)
+    columns, load = rng.normal(size=(6, 11)) * 3.0, rng.normal(size=6)
+    search = Search(columns, load, np.arange(11))
+    value, _ = search.best(3, keep=64)[3][0]
+    assert value == pytest.approx(brute(columns, load, np.arange(11), 3)[0], rel=1e-6, abs=1e-9)
+
+
+def test_the_best_pair_of_a_real_dictionary_is_the_exhaustive_one():
+    mech = arm()
+    sweep = eq.Sweep.sobol(mech, 128)
+    found = collect(mech, sweep, eq.Discover(candidates=60), eq.Aim(norm="rms"))
+    short = found.dictionary.compress()
+    search = Search.of(short, found.dictionary.spots)
+    value, _ = search.pairs(4)[0]
+    root = np.sqrt(found.dictionary.weight)
+    A = found.dictionary.columns(tuple(range(len(found.dictionary)))) * root[:, None]
+    b = found.dictionary.loads[0] * root
+    expected, _ = brute(A, b, found.dictionary.spots, 2)
+    assert value + short.constant == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+def test_two_ideal_springs_balance_a_planar_arm():
+    """One spring leaves the elbow's own torque; a second to the forearm takes all of it."""
+    mech = arm()
+    seen = []
+    front = eq.discover(mech, eq.Sweep.sobol(mech, 256), eq.Discover(3), progress=lambda *told: seen.append(told))
+    elbow = 2.0 * G * np.hypot(0.15, 0.02)
+    assert front.before == pytest.approx(G * (3 * 0.25 + 2 * (0.5 + np.hypot(0.15, 0.02))), rel=1e-3)
+    assert [len(design.balancers) for design in front.designs] == [1, 2]
+    assert front.values[0] == pytest.approx(elbow, rel=5e-3)
+    assert front.values[1] < 1e-6
+    assert seen[0][:2] == (1, 3)
+    assert any("floor" in note or "next to nothing" in note for note in front.notes) or front.alternatives
+    checked = eq.verify(front.designs[1], poses=200).verification
+    assert checked.agrees
+
+
+def test_a_payload_range_ends_at_half_of_its_own_torque():
+    mech = arm()
+    sweep = eq.Sweep.sobol(mech, 128, payload=[eq.Payload("fore", (0.0, 2.0), (0.4, 0.0, 0.0))])
+    front = eq.discover(mech, sweep, eq.Discover(2))
+    floors = {bound.row: bound.value for bound in front.bounds if bound.cause == "payload"}
+    assert floors["upper_joint"] == pytest.approx(2.0 * G * 0.9 / 2, rel=1e-6)
+    assert floors["fore_joint"] == pytest.approx(2.0 * G * 0.4 / 2, rel=1e-6)
+    assert front.values[-1] == pytest.approx(floors["upper_joint"], rel=5e-3)
+
+
+def test_coils_keep_their_stretch_and_force():
+    mech = arm()
+    front = eq.discover(mech, eq.Sweep.sobol(mech, 128), eq.Discover(1, kinds=(eq.Coils(force=2000.0),)))
+    part = front.designs[0].parts()[0]
+    free, (short, long) = part["parameters"]["free_length"], part["length"]
+    assert free <= 0.95 * short * (1 + 1e-6)
+    assert long <= 2.0 * free * (1 + 1e-6)
+    assert part["force"][1] <= 2000.0 * (1 + 1e-6)
+    assert front.values[0] < front.before
+
+
+def test_pairs_regions_and_points_are_obeyed():
+    mech = arm()
+    sweep = eq.Sweep.sobol(mech, 64)
+    base, upper, fore = mech.bodies[0], "upper", "fore"
+    request = eq.Discover(
+        forbid=((base, fore),), keep_out=(eq.KeepOut(upper, (0.2, -1, -1), (1, 1, 1)),), candidates=400
+    )
+    found = collect(mech, sweep, request, eq.Aim(norm="rms"))
+    assert found.refused["keep out"] > 0
+    for index in range(0, len(found.dictionary), 7):
+        path = found.dictionary.propose(index, 1).balancer.path
+        assert {path.a.body, path.b.body} != {base, fore}
+        assert all(end.at[0] <= 0.2 for end in (path.a, path.b) if end.body == upper)
+    points = {upper: ((0.1, 0.0, 0.05), (0.3, 0.0, 0.05)), fore: ((0.2, 0.0, 0.0),)}
+    found = collect(mech, sweep, eq.Discover(pairs=((upper, fore),), points=points), eq.Aim(norm="rms"))
+    assert len(found.dictionary) == 2
+    assert found.dictionary.propose(1, 1).balancer.path.a.at == (0.3, 0.0, 0.05)
+
+
+def test_bad_requests_say_what_and_where():
+    mech = arm()
+    sweep = eq.Sweep.sobol(mech, 32)
+
+    def ask(**options):
+        return eq.discover(mech, sweep, eq.Discover(**options))
+
+    with pytest.raises(eq.InputError, match=r"point 1, \(0.2, 0, 3\) m, lies 2.962 m from the skeleton of fore"):
+        ask(points={"fore": ((0.2, 0.0, 3.0),)}, pairs=(("upper", "fore"),))
+    with pytest.raises(eq.InputError, match="move as one"):
+        ask(pairs=(("fore", "fore"),))
+    with pytest.raises(eq.InputError, match="no body 'for'"):
+        ask(pairs=(("upper", "for"),))
+    with pytest.raises(eq.InputError, match="all 3 pairs are forbidden"):
+        ask(forbid=tuple(itertools.combinations((mech.bodies[0], "upper", "fore"), 2)))
+    with pytest.raises(InfeasibleError, match="by 'keep out'"):
+        ask(keep_out=tuple(eq.KeepOut(body, (-9, -9, -9), (9, 9, 9)) for body in mech.bodies))
+    with pytest.raises(InfeasibleError, match=r"by 'longest over 1 times the shortest length'"):
+        ask(kinds=(eq.Coils(rest=0.95, stretch=1.053),))
+    with pytest.raises(eq.InputError, match="springs is 0"):
+        ask(springs=0)
+    with pytest.raises(eq.InputError, match="raise `candidates`"):
+        ask(spacing=0.001)
+    one = eq.chain([eq.Link("upper", length=0.5, mass=3.0)], gravity=(0.0, 0.0, 0.0))
+    with pytest.raises(eq.InputError, match="gravity loads no joint"):
+        eq.discover(one, eq.Sweep.sobol(one, 16))
+    with pytest.raises(eq.InputError, match="holding effort"):
+        eq.discover(mech, sweep, objective=(eq.Aim("force"),))
+
+
+def test_found_balancers_read_back_from_a_problem_file():
+    """What the plain data says is what was found, for every kind."""
+    mech = spatial()
+    sweep = eq.Sweep.sobol(mech, 64)
+    content = {"mechanism": {"chain": {"links": [{"name": "a", "length": 1, "mass": 1}]}}, "discover": {"springs": 2}}
+    for kind in KINDS.values():
+        found = collect(mech, sweep, eq.Discover(kinds=(kind,), candidates=200), eq.Aim(norm="rms"))
+        proposal = found.dictionary.propose(len(found.dictionary) // 2, 1)
+        data = plain_problem(content, [proposal.balancer], proposal.limits, proposal.free)
+        assert "discover" not in data
+        read = problem_of(Document("", json.loads(json.dumps(data))), None).content
+        assert read.balancers == (proposal.balancer,)
+        assert read.limits == proposal.limits
+        assert {name: tuple(pair) for name, pair in (read.shape or {}).items()} == dict(proposal.free)
+
+
+def test_words_of_the_command_line():
+    assert masses("0,5kg") == [0.0, 5.0]
+    assert masses("0, 2500 g") == [0.0, 2.5]
+    with pytest.raises(eq.InputError, match="--payload"):
+        masses("0,heavy")
+    with pytest.raises(eq.InputError, match="a payload of -1 kg"):
+        masses("-1")
+    assert tip(arm()) == "fore"
+
+
+def test_command_line_writes_designs_that_other_verbs_accept(tmp_path):
+    file = tmp_path / "arm.yaml"
+    file.write_text(
+        "mechanism: {chain: {links: [{name: upper, length: 0.5, mass: 3}, {name: fore, length: 0.4, mass: 2}]}}\n"
+        "sweep: {sobol: 64}\n"
+        "discover: {springs: 2, kinds: [zero_free_length, torsion], candidates: 400}\n"
+        "objective: {norm: peak, target: 1 N m}\n",
+        encoding="utf-8",
+    )
+
+    def run(*words):
+        return subprocess.run(
+            [sys.executable, "-m", "equipoise", *map(str, words)], capture_output=True, text=True, check=False
+        )
+
+    out = tmp_path / "out"
+    ran = run("discover", file, "--json", "--out", out)
+    assert ran.returncode == 0, ran.stderr
+    data = json.loads(ran.stdout)
+    assert [len(design["parts"]) for design in data["front"]] == [1, 2]
+    assert data["front"][1]["verification"]["max_abs_error"] < 1e-9
+    assert data == json.loads((out / "front.json").read_text(encoding="utf-8"))
+    again = run("verify", out / "springs_2" / "design.json", "--json", "--poses", 50)
+    assert again.returncode == 0, again.stderr
+    assert json.loads(again.stdout)["after"]["upper_joint"]["peak"] < 1.0
+    file.write_text(file.read_text(encoding="utf-8").replace("springs: 2", "sprungs: 2"), encoding="utf-8")
+    ran = run("discover", file)
+    assert ran.returncode == 2
+    assert "line 3" in ran.stderr
