@@ -174,7 +174,7 @@ def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, s
     """Shape, balance or discover, verify and report in one go."""
     from equipoise.solving import balanced, designed, served, shaped, solvable_problem
 
-    chosen = designed(file, seed)
+    chosen = designed(file)
     if chosen is not None:
         found, problem, stopped = chosen
         return _reported(found, problem, json, out or _default_out(problem), stopped)
@@ -253,7 +253,6 @@ def discover(
     *,
     json: Json = False,
     out: Out = None,
-    seed: Seed = None,
     payload: Annotated[str | None, typer.Option("--payload", metavar="MASSES", help="Masses to carry: 0,5kg.")] = None,
     at: Annotated[str | None, typer.Option("--at", metavar="BODY", help="The body that carries them.")] = None,
     springs: Annotated[int | None, typer.Option("--springs", min=1, help="The largest number of springs.")] = None,
@@ -263,7 +262,7 @@ def discover(
     from equipoise.solving import discovered, discovery
 
     problem = discovery(file, payload, at, springs, kinds)
-    front, stopped = discovered(problem, seed)
+    front, stopped = discovered(problem)
     return _fronted(front, problem, json, out, stopped)
 
 

@@ -128,7 +128,7 @@ def discovery(file: str, payload: str | None, at: str | None, springs: int | Non
     return asked(_target(file), payload, at, springs, kinds)
 
 
-def discovered(problem: Problem, seed: int | None) -> tuple[Discovery, bool]:
+def discovered(problem: Problem) -> tuple[Discovery, bool]:
     """The front of a problem, with progress on stderr; whether Ctrl-C cut the search short."""
     from equipoise.verbs.discover import discover
 
@@ -147,7 +147,6 @@ def discovered(problem: Problem, seed: int | None) -> tuple[Discovery, bool]:
             problem.content.discover,
             objective=problem.objective,
             limits=problem.limits,
-            seed=problem.search.seed if seed is None else seed,
             progress=tell,
         )
     if interrupts.hit:
@@ -155,14 +154,14 @@ def discovered(problem: Problem, seed: int | None) -> tuple[Discovery, bool]:
     return front, interrupts.hit
 
 
-def designed(file: str, seed: int | None) -> tuple[Design, Problem, bool] | None:
+def designed(file: str) -> tuple[Design, Problem, bool] | None:
     """The recommended design of a file with a `discover` block; None for any other."""
     target = _target(file)
     if target.bare or target.design is not None or target.problem.content.discover is None:
         return None
     from equipoise.discovery.ask import design_problem
 
-    front, stopped = discovered(target.problem, seed)
+    front, stopped = discovered(target.problem)
     say(str(front))
     design = front.designs[front.recommended]
     return design, design_problem(design, target.problem), stopped
