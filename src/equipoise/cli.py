@@ -140,9 +140,12 @@ def shape(
         typer.Option("--map", metavar="A B", help="Draw the norm over two free parameters into the folder."),
     ] = None,
     norm: Annotated[str | None, typer.Option("--norm", help="Norm of the map: rms, peak or mean.")] = None,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Bound what any geometry within the bounds could reach (up to four free).")
+    ] = False,
 ) -> int:
     """Geometry within its bounds and all unknowns together."""
-    from equipoise.solving import served, shaped, solvable_problem
+    from equipoise.solving import bracketed, served, shaped, solvable_problem
 
     problem = solvable_problem(file, "shape")
     if problem.cases and not over:
@@ -158,6 +161,8 @@ def shape(
             hint = nearest(name, list(problem.bounds))
             raise InputError(f"{name!r} is no free parameter", where=f"{problem.document.name}, --map", hint=hint)
     found, stopped = shaped(problem, seed, starts)
+    if certify and not stopped:
+        found, stopped = bracketed(found, problem)
     if not over or stopped:
         return _answer(found, problem, json, out, stopped)
     return _mapped(found, problem, json, out or _default_out(problem), over=over, norm=norm)

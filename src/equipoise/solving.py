@@ -102,6 +102,25 @@ def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adju
     return found, interrupts.hit
 
 
+def bracketed(design: Design, problem: Problem) -> tuple[Design, bool]:
+    """The design with a bound over all geometry, with progress on stderr; whether Ctrl-C cut the search short."""
+    from equipoise.verbs.certify import certify
+
+    said = [0]
+
+    def tell(boxes: int, low: float, high: float) -> None:
+        if boxes >= 2 * said[0] + 500:
+            said[0] = boxes
+            unit = design.certificate.unit
+            say(f"certify: {boxes} boxes, between {low:.5g} and {high:.5g} {unit}")
+
+    with problem.at_names(), Interrupts() as interrupts:
+        found, bracket = certify(design, progress=tell)
+    if bracket.stopped:
+        say("the branch and bound was stopped by hand: the bound so far holds")
+    return found, interrupts.hit
+
+
 def discovery(file: str, payload: str | None, at: str | None, springs: int | None, kinds: str | None) -> Problem:
     """The problem that a discovery works on: a file's own `discover` block, or a robot's, changed by what was said."""
     from equipoise.discovery.ask import asked
