@@ -203,6 +203,7 @@ _HOME = {
     "Comparing": "comparing",
     "Comparison": "verbs.compare",
     "compare": "verbs.compare",
+    "certify": "verbs.certify",
 }
 
 __all__ = [
@@ -345,6 +346,7 @@ __all__ = [
     "by_payload",
     "cable_platform",
     "caspr",
+    "certify",
     "chain",
     "clearance",
     "closure",
@@ -572,6 +574,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.certify import certify
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.discover import discover

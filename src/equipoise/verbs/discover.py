@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
-from equipoise.discovery.refine import Parts, Refined, Refiner, additions, judge
+from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
@@ -18,11 +18,13 @@ from equipoise.objective import Aim, as_objective
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
 from equipoise.verbs.balance import balance
-from equipoise.verbs.shape import COARSE, shape, thinned
+from equipoise.verbs.shape import descended, thinned
 
 JUDGED = 40
 """Subsets per number of springs that are judged by the objective's own norm."""
 EXCESS = 1e-5
+FEW = 256
+"""Poses over which contenders are refined."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
 
@@ -50,7 +52,6 @@ def discover(
     norm: Norm | None = None,
     objective: Aim | Sequence[Aim] | None = None,
     limits: Sequence[Limit] = (),
-    seed: int = 0,
     progress: Progress | None = None,
 ) -> Discovery:
     """Find which springs to add, where, and how big: the front of their number against what motors still hold.
@@ -79,7 +80,7 @@ def discover(
     ranked = search.best(request.springs, keep=JUDGED)
     bounds = bounds_of(collection, sweep, aim)
     found = _Found(floor=max((bound.value for bound in bounds), default=0.0))
-    few = thinned(sweep, mechanism.states(sweep), COARSE) if len(sweep.poses) > COARSE else sweep
+    few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
     try:
         for count in range(1, request.springs + 1):
@@ -89,7 +90,7 @@ def discover(
             if count in ranked:
                 _one(found, collection, refiner, ranked[count], count, aim)
                 if found.refined is not None:
-                    _finish(found, refiner, sweep, aim, seed)
+                    _finish(found, refiner, sweep, aim)
             if progress:
                 progress(count, request.springs, found.values[-1] if found.values else float("nan"))
     except KeyboardInterrupt:
@@ -184,7 +185,7 @@ def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[Subs
     return chosen[: collection.request.contenders]
 
 
-def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, seed: int) -> None:
+def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
     """Shape the refined parts over the whole sweep; a design that is hardly better than the one before is told."""
     best = found.refined
     assert best is not None
@@ -197,10 +198,9 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, seed: int) 
         return
     try:
         if parts.free:
-            design = shape(
-                refiner.mechanism, parts.balancers, sweep, parts.free,
-                objective=refiner.objective, limits=limits, starts=1, seed=seed,
-            )  # fmt: skip
+            design = descended(
+                refiner.mechanism, parts.balancers, sweep, parts.free, refiner.objective, limits, PRECISION
+            )
         else:
             design = balance(refiner.mechanism, parts.balancers, sweep, objective=refiner.objective, limits=limits)
     except EquipoiseError as error:
