@@ -98,6 +98,7 @@ _HOME = {
     "Stiffness": "limits",
     "MassCap": "limits",
     "ExactAt": "limits",
+    "Avoid": "limits",
     "Balanced": "limits",
     "Elongation": "limits",
     "SpringIndex": "limits",
@@ -188,6 +189,12 @@ _HOME = {
     "grade": "parts",
     "grades": "parts",
     "preferred_sizes": "parts",
+    "Catalogue": "parts.catalogue",
+    "MakeableGrid": "parts.grid",
+    "Pick": "parts.request",
+    "read_catalogue": "parts.importer",
+    "pick": "verbs.pick",
+    "survey_catalogue": "verbs.survey",
     "LoopError": "errors",
     "InfeasibleError": "errors",
     "DisagreementError": "errors",
@@ -197,6 +204,7 @@ _HOME = {
     "Comparing": "comparing",
     "Comparison": "verbs.compare",
     "compare": "verbs.compare",
+    "certify": "verbs.certify",
 }
 
 __all__ = [
@@ -207,6 +215,7 @@ __all__ = [
     "Affine",
     "Aim",
     "Angle",
+    "Avoid",
     "BSpline",
     "Balanced",
     "Bearing",
@@ -216,6 +225,7 @@ __all__ = [
     "Cam",
     "CamWithSpring",
     "Case",
+    "Catalogue",
     "Claim",
     "Coil",
     "Coils",
@@ -273,6 +283,7 @@ __all__ = [
     "Link",
     "LoopError",
     "Machine",
+    "MakeableGrid",
     "MassCap",
     "Mechanism",
     "Mesh",
@@ -281,6 +292,7 @@ __all__ = [
     "Mount",
     "Nitrogen",
     "Payload",
+    "Pick",
     "Pinion",
     "Plate",
     "Platform",
@@ -336,6 +348,7 @@ __all__ = [
     "by_payload",
     "cable_platform",
     "caspr",
+    "certify",
     "chain",
     "clearance",
     "closure",
@@ -368,10 +381,12 @@ __all__ = [
     "parallelogram_arm",
     "parallelogram_robot",
     "payload_rule",
+    "pick",
     "platform_measure",
     "point_masses",
     "preferred_sizes",
     "reactionless_motion",
+    "read_catalogue",
     "report",
     "reproduce",
     "rrr3",
@@ -384,6 +399,7 @@ __all__ = [
     "stiffness",
     "substitute",
     "survey",
+    "survey_catalogue",
     "tolerance",
     "verify",
     "wrench_matrix",
@@ -488,6 +504,7 @@ if TYPE_CHECKING:
     )
     from equipoise.friction import Friction
     from equipoise.limits import (
+        Avoid,
         Balanced,
         Convex,
         Curvature,
@@ -543,6 +560,10 @@ if TYPE_CHECKING:
         grades,
         preferred_sizes,
     )
+    from equipoise.parts.catalogue import Catalogue
+    from equipoise.parts.grid import MakeableGrid
+    from equipoise.parts.importer import read_catalogue
+    from equipoise.parts.request import Pick
     from equipoise.problem import Problem, load_problem
     from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
@@ -556,14 +577,17 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.certify import certify
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.discover import discover
     from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
+    from equipoise.verbs.pick import pick
     from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce
     from equipoise.verbs.shape import shape
     from equipoise.verbs.side_by_side import side_by_side
+    from equipoise.verbs.survey import survey_catalogue
     from equipoise.verbs.verify import verify

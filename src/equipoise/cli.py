@@ -16,6 +16,7 @@ from equipoise.errors import DisagreementError, InputError, nearest
 if TYPE_CHECKING:
     from equipoise.design import Design
     from equipoise.discovery.front import Discovery
+    from equipoise.parts.request import Pick
     from equipoise.problem import Problem
     from equipoise.solve.program import Norm
     from equipoise.verbs.adjust import Adjusted
@@ -35,6 +36,12 @@ Made = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print machine output on stdout, and nothing else there.")]
 Out = Annotated[Path | None, typer.Option("--out", help="Folder to write to.")]
+Catalogue = Annotated[Path | None, typer.Option("--catalogue", help="CSV of springs; without it, what can be wound.")]
+Units = Annotated[str | None, typer.Option("--units", help="Of columns that say none: metric or inch.")]
+Columns = Annotated[
+    list[str] | None, typer.Option("--column", help="What a column is: rate='Spring Rate'. Repeatable.")
+]
+Parallel = Annotated[int | None, typer.Option("--parallel", min=1, help="How many of a part may act side by side.")]
 Seed = Annotated[int | None, typer.Option("--seed", min=0, help="Seed of the search; the same seed, the same design.")]
 Starts = Annotated[int | None, typer.Option("--starts", min=1, help="Starts of the search.")]
 
@@ -133,9 +140,12 @@ def shape(
         typer.Option("--map", metavar="A B", help="Draw the norm over two free parameters into the folder."),
     ] = None,
     norm: Annotated[str | None, typer.Option("--norm", help="Norm of the map: rms, peak or mean.")] = None,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Bound what any geometry within the bounds could reach (up to four free).")
+    ] = False,
 ) -> int:
     """Geometry within its bounds and all unknowns together."""
-    from equipoise.solving import served, shaped, solvable_problem
+    from equipoise.solving import bracketed, served, shaped, solvable_problem
 
     problem = solvable_problem(file, "shape")
     if problem.cases and not over:
@@ -151,6 +161,8 @@ def shape(
             hint = nearest(name, list(problem.bounds))
             raise InputError(f"{name!r} is no free parameter", where=f"{problem.document.name}, --map", hint=hint)
     found, stopped = shaped(problem, seed, starts)
+    if certify and not stopped:
+        found, stopped = bracketed(found, problem)
     if not over or stopped:
         return _answer(found, problem, json, out, stopped)
     return _mapped(found, problem, json, out or _default_out(problem), over=over, norm=norm)
@@ -162,7 +174,7 @@ def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, s
     """Shape, balance or discover, verify and report in one go."""
     from equipoise.solving import balanced, designed, served, shaped, solvable_problem
 
-    chosen = designed(file, seed)
+    chosen = designed(file)
     if chosen is not None:
         found, problem, stopped = chosen
         return _reported(found, problem, json, out or _default_out(problem), stopped)
@@ -170,7 +182,68 @@ def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, s
     if problem.cases:
         return _serve(*served(problem, seed, starts), problem, json, out or _default_out(problem), full=True)
     found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
-    return _reported(found, problem, json, out or _default_out(problem), stopped)
+    out = out or _default_out(problem)
+    if problem.content.pick is not None and not stopped:
+        return _picked(found, problem, problem.content.pick, json, out, seed)
+    return _reported(found, problem, json, out, stopped)
+
+
+@app.command()
+@guarded
+def pick(
+    file: Made,
+    *,
+    catalogue: Catalogue = None,
+    units: Units = None,
+    column: Columns = None,
+    parallel: Parallel = None,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+) -> int:
+    """Real parts in the place of ideal springs: from a catalogue, or wound; shaped anew, verified, reported."""
+    from equipoise.picking import requested
+    from equipoise.solving import found_design
+
+    from_file, problem, stopped = found_design(file, "pick")
+    request = requested(problem, catalogue, units, column or (), parallel)
+    out = out or _default_out(problem)
+    return (
+        _reported(from_file, problem, json, out, stopped)
+        if stopped
+        else _picked(from_file, problem, request, json, out, seed)
+    )
+
+
+@app.command()
+@guarded
+def survey(
+    file: File,
+    *,
+    catalogue: Catalogue = None,
+    spring: Annotated[str | None, typer.Option("--spring", help="The spring to find a part for.")] = None,
+    units: Units = None,
+    column: Columns = None,
+    parallel: Parallel = None,
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = None,
+) -> int:
+    """Every spring of a catalogue at its own best geometry, ranked; goes on where it was stopped."""
+    from equipoise.picking import requested, survey_json, survey_words, surveyed
+    from equipoise.solving import solvable_problem
+
+    problem = solvable_problem(file, "survey")
+    request = requested(problem, catalogue, units, column or (), parallel or 1)
+    folder = out or _default_out(problem)
+    found, stopped = surveyed(problem, request, spring, folder, seed)
+    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    say(survey_words(found, unit, folder))
+    if json:
+        emit(survey_json(found))
+    if stopped:
+        return STOPPED
+    return 0 if found.ranked else 1
 
 
 @app.command()
@@ -180,7 +253,6 @@ def discover(
     *,
     json: Json = False,
     out: Out = None,
-    seed: Seed = None,
     payload: Annotated[str | None, typer.Option("--payload", metavar="MASSES", help="Masses to carry: 0,5kg.")] = None,
     at: Annotated[str | None, typer.Option("--at", metavar="BODY", help="The body that carries them.")] = None,
     springs: Annotated[int | None, typer.Option("--springs", min=1, help="The largest number of springs.")] = None,
@@ -190,7 +262,7 @@ def discover(
     from equipoise.solving import discovered, discovery
 
     problem = discovery(file, payload, at, springs, kinds)
-    front, stopped = discovered(problem, seed)
+    front, stopped = discovered(problem)
     return _fronted(front, problem, json, out, stopped)
 
 
@@ -368,6 +440,19 @@ def schema() -> int:
 
     emit(whole())
     return 0
+
+
+def _picked(found: Design, problem: Problem, request: Pick, json: bool, out: Path, seed: int | None) -> int:
+    from equipoise.picking import FILE, picked, write_problem
+
+    chosen, real = picked(problem, found, request, seed)
+    with staging(out) as stage:
+        assert stage is not None
+        write_problem(real, stage / FILE)
+        for choice in chosen.choices:
+            (stage / f"candidates_{choice.spring}.csv").write_text(choice.ranking.table(), encoding="utf-8")
+    say(f"{chosen}\n")
+    return _reported(chosen.design, real, json, out, stopped=False)
 
 
 def _told(found: Design, problem: Problem, out: Path | None) -> Design:

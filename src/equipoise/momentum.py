@@ -10,6 +10,7 @@ about the world origin: everything that shakes a base or loads a motor is linear
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Sequence
 
 import mujoco
@@ -20,6 +21,7 @@ from equipoise.states import Placement, States
 
 FORCE, MOMENT = Block("force", "N", 3), Block("moment", "N m", 3)
 MASS = Block("mass", "kg")
+_wrenches: weakref.WeakKeyDictionary[States, Array] = weakref.WeakKeyDictionary()
 _LEVI = np.zeros((3, 3, 3))
 _LEVI[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
 _LEVI[[0, 2, 1], [2, 1, 0], [1, 0, 2]] = -1.0
@@ -70,6 +72,12 @@ def inertial_effort(place: Placement, J: Array) -> Array:
 
 def bare_wrench(states: States) -> Array:
     """Rate of linear and angular momentum (N, 6) of the mechanism and its payload about the world origin."""
+    if states not in _wrenches:  # force and moment are asked for one after the other
+        _wrenches[states] = _bare_wrench(states)
+    return _wrenches[states]
+
+
+def _bare_wrench(states: States) -> Array:
     model = states.mechanism.model
     total = np.zeros((len(states), 6))
     for body in range(1, model.nbody):

@@ -18,6 +18,7 @@ from equipoise.forms import Form, Later, Reading
 from equipoise.friction import Friction
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
+from equipoise.parts.request import Pick
 from equipoise.places import REMEDY, problem_error, where
 from equipoise.scattering.scatter import Scatter
 from equipoise.sweep import Sweep
@@ -48,7 +49,8 @@ class ProblemFile:
     how the base leans; compare says which joint `equipoise compare` looks at; make lists cams and drums that
     `equipoise make` cuts; trajectory, a motion or poses in order, is what a cable platform's motors are judged on;
     tolerances says how far parts and robot may be off, friction how much they rub.
-    With discover in the place of balancers it says how `equipoise discover` looks for them.
+    With discover in the place of balancers it says how `equipoise discover` looks for them; pick asks for real parts in
+    the place of ideal springs.
     Bare numbers are SI, angles rad; text carries its unit: `12 kg`, `30 deg`, `0.4 N/mm`. An unknown that the
     program finds is written by leaving its field out.
     """
@@ -71,6 +73,7 @@ class ProblemFile:
     tolerances: Scatter = field(default_factory=Scatter)
     friction: Friction = field(default_factory=Friction)
     trajectory: Annotated[Any, SWEEP] | None = None
+    pick: Pick | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +203,7 @@ class Problem:
         """Label, mechanism and sweep of one of the `cases`."""
         changes = dict(self.raw["cases"][index])
         label = str(changes.pop("case", "")) or ", ".join(f"{name} {value}" for name, value in changes.items())
-        block = self.raw["mechanism"]
+        block: Any = self.raw["mechanism"]
         key = next(iter(block)) if isinstance(block, Mapping) else block
         own = {} if isinstance(block, str) else block[key]
         whole = {**block, **changes} if "model" in block else {key: {**(own or {}), **changes}}

@@ -174,11 +174,13 @@ class States:
         if not isinstance(point, Point):
             return point.locate(self)
         # Path, law, limits and own mass of a spring ask for the same two points in turn.
-        if id(point) not in self._points:
+        known = self._points.get(id(point))
+        if known is None:
+            # Threads may share the states: what one of them takes away, another must not miss.
             if len(self._points) >= REMEMBERED:
-                del self._points[next(iter(self._points))]
-            self._points[id(point)] = (point, self._point(point))
-        return self._points[id(point)][1]
+                self._points.pop(next(iter(tuple(self._points))), None)
+            known = self._points[id(point)] = (point, self._point(point))
+        return known[1]
 
     def _point(self, point: Point) -> tuple[Array, Array]:
         body = self.mechanism.body_id(point.body)

@@ -169,9 +169,17 @@ class Spring:
     def _shake(self, states: States) -> Any:
         return sum((states.point_wrench(point, mass) for point, mass in self._moving), start=np.zeros((1, 6)))
 
+    def deform(self, states: States) -> tuple[Array, Array]:
+        """The path's l (..., N) and dl/dq (..., N, nd), worked out once for efforts and limits of the same states."""
+        known = self.__dict__.get("_deformed")
+        if known is None or known[0] is not states:
+            known = states, self.path.deform(states)
+            object.__setattr__(self, "_deformed", known)
+        return known[1]
+
     def factors(self, states: States) -> tuple[Array, Array, Array]:
         """dl/dq (..., N, nd), B (..., N, P) and the constant (..., N, nd) of its effort dl/dq (B theta) + constant."""
-        length, rate = self.path.deform(states)
+        length, rate = self.deform(states)
         basis, known = self.law.force_basis(length)
         return rate, basis, known[..., None] * rate + self._weight(states, "hold")
 

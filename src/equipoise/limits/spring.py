@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 
@@ -46,10 +46,10 @@ class Force(curve.OverInterval):
         """B theta <= max - f0 and -B theta <= f0 - min, one row per state."""
         spring = setting.find(self.spring, Spring, "force")
         if self.over is not None:
-            return curve.rows(self, spring)
+            return curve.rows(cast("curve.Curve", self), spring)
         if self.samples is not None:
             raise InputError("samples are asked for over no interval", where="limit force", hint="add `over`")
-        length, _ = spring.path.deform(setting.states)
+        length, _ = spring.deform(setting.states)
         basis, known = spring.law.force_basis(length)
         return sides(
             f"force of {self.spring}", path_unit(FORCE, spring), basis, known, spring.unknowns, self.min, self.max
@@ -71,7 +71,7 @@ class Slack:
                 where="limit slack",
                 hint=f"leave the limit out, or write {{force: {self.spring}, max: 0 N}} to keep it pushing",
             )
-        length, _ = spring.path.deform(setting.states)
+        length, _ = spring.deform(setting.states)
         basis, known = spring.law.force_basis(length)
         return sides(f"slack of {self.spring}", path_unit(FORCE, spring), basis, known, spring.unknowns, 0.0, None)
 
@@ -87,7 +87,7 @@ class Length:
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """Rows without unknowns, one per state."""
         spring = setting.find(self.spring, Spring, "length")
-        length, _ = spring.path.deform(setting.states)
+        length, _ = spring.deform(setting.states)
         none = np.zeros((*length.shape, 0), dtype=length.dtype)
         return sides(f"length of {self.spring}", spring.path.unit, none, length, (), self.min, self.max)
 
@@ -102,7 +102,7 @@ class Stroke:
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
         """Every length against the shortest, and the longest against every length."""
         spring = setting.find(self.spring, Spring, "stroke")
-        length, _ = spring.path.deform(setting.states)
+        length, _ = spring.deform(setting.states)
         _positive(self.max, "stroke", self.spring)
         longest = np.take_along_axis(length, np.real(length).argmax(-1)[..., None], axis=-1)
         shortest = np.take_along_axis(length, np.real(length).argmin(-1)[..., None], axis=-1)
@@ -126,7 +126,7 @@ class Stiffness:
         spring = setting.find(self.spring, Spring, "stiffness")
         if spring.law.degree == 0:
             raise InputError(f"spring {self.spring} has no stiffness", where="limit stiffness", hint="limit its force")
-        length, _ = spring.path.deform(setting.states)
+        length, _ = spring.deform(setting.states)
         straight = spring.law.degree == 1
         basis, known = spring.law.slope_basis(length[..., :1] if straight else length)
         if straight and not np.ndim(getattr(spring.law, "k", 0.0)):
@@ -151,7 +151,7 @@ class MassCap:
         return sides(f"mass of {self.counterweight}", "kg", basis, known, tuple(mass), None, self.max)
 
 
-def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tuple[Rows, ...]:
+def implied(balancers: Iterable[object], setting: Setting) -> tuple[Rows, ...]:
     """Rows that balancers ask for by themselves: spans of laws, needs of paths, reach of counterweights."""
     rows: list[Rows] = []
     for balancer in balancers:
@@ -191,7 +191,7 @@ def _span(spring: Spring, setting: Setting) -> list[Rows]:
     free = any(u.name == f"{spring.owner}.k_free_length" for u in spring.unknowns)
     if all(end is None for end in law.span) and not free:
         return []
-    length, _ = spring.path.deform(setting.states)
+    length, _ = spring.deform(setting.states)
     rows: list[Rows] = []
     for end, side in zip(law.span, (1.0, -1.0), strict=True):
         if end is not None:

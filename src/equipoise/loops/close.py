@@ -14,12 +14,13 @@ from equipoise.loops.branch import Branch, reference_branch
 from equipoise.loops.messages import advice, blocked_way, gap, pose_text
 from equipoise.loops.posture import Evaluator, qpos_width
 from equipoise.loops.roadmap import Blocked, follow
-from equipoise.loops.walk import Closed, walk
+from equipoise.loops.walk import Closed, least_singular, walk
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
 
 _CHUNK = 16384
+SHUT = 1e-15  # dimensionless residual that Newton's steps aim at
 _ROUNDING = 1e-11  # dimensionless residual beyond which a posture does not count as closed
 _evaluators: weakref.WeakKeyDictionary[Mechanism, Evaluator] = weakref.WeakKeyDictionary()
 _known: weakref.WeakKeyDictionary[Mechanism, Branch | None] = weakref.WeakKeyDictionary()
@@ -122,7 +123,7 @@ def loop_report(mechanism: Mechanism, q: Array) -> tuple[Array, Array]:
     if branch is None:
         return np.zeros(len(q)), np.full(len(q), np.inf)
     closed = branch.loop.linearise(evaluator_of(mechanism), q)
-    return gap(branch.loop, closed), closed.sigma
+    return gap(branch.loop, closed), least_singular(closed.slope)
 
 
 def branch_of(mechanism: Mechanism) -> Branch | None:
@@ -210,7 +211,12 @@ def refined(
     """Postures closed to rounding; raises LoopError for one that stays open, or closes too near a singularity."""
     # joints coupled by a law start anywhere: a chain of couplings takes one full step for each
     turns = turns or (2 if branch.curved.all() else 8)
-    closed = branch.loop.newton(evaluate, postures, goal=1e-15, turns=turns, stride=np.inf)
+    closed = branch.loop.newton(evaluate, postures, goal=SHUT, turns=turns, stride=np.inf)
+    return sound(mechanism, branch, closed, driven)
+
+
+def sound(mechanism: Mechanism, branch: Branch, closed: Closed, driven: Array) -> Closed:
+    """The postures; raises LoopError for one that is open, or within the margin of a singularity."""
     worst = int(np.argmax(closed.worst))
     if closed.worst[worst] > _ROUNDING:
         raise LoopError(

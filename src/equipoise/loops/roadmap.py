@@ -11,6 +11,7 @@ from equipoise.affine import Array
 from equipoise.loops.posture import Evaluator
 from equipoise.loops.walk import Closed, Loop, Walk, walk
 
+FEW = 100_000  # distances that are computed without a tree
 CELL = 0.25  # spacing of the thin set and width of a shell, rad or characteristic lengths
 ATTEMPTS = 6  # neighbours a pose is tried from before it counts as out of reach
 _CHUNK = 16384
@@ -56,9 +57,13 @@ class Roadmap:
             self.driven = np.concatenate([self.driven, driven])
 
     def _nearest(self, targets: Array, count: int) -> tuple[Array, NDArray[np.int_]]:
+        count = min(count, len(self.driven))
+        if len(targets) * len(self.driven) <= FEW:  # a tree is not worth its import
+            table = np.linalg.norm(targets[:, None] - self.driven, axis=2)
+            index = np.argsort(table, axis=1, kind="stable")[:, :count]
+            return np.take_along_axis(table, index, axis=1), index
         from scipy.spatial import KDTree
 
-        count = min(count, len(self.driven))
         distance, index = KDTree(self.driven).query(targets, k=count)
         shape = (len(targets), count)
         return np.reshape(distance, shape), np.reshape(index, shape)

@@ -8,17 +8,27 @@ from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.errors import LoopError
 from equipoise.loops.branch import Branch
 from equipoise.loops.choices import choice_hint
-from equipoise.loops.close import branch_of, checked, close_loops, evaluator_of, refined, transmission_of
+from equipoise.loops.close import (
+    SHUT,
+    branch_of,
+    checked,
+    close_loops,
+    evaluator_of,
+    refined,
+    sound,
+    transmission_of,
+)
 from equipoise.loops.constraints import Couple
 from equipoise.loops.messages import blocked_way
 from equipoise.loops.posture import Evaluator
 from equipoise.loops.roadmap import Blocked
-from equipoise.loops.walk import Closed, walk
+from equipoise.loops.walk import CLOSED, TURN, Closed, turn, walk
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
@@ -32,10 +42,11 @@ _known: weakref.WeakKeyDictionary[Motion, tuple[weakref.ref[Mechanism], Knots]] 
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """Closed postures at times (K,) in order, with the driven positions (K, nd) there."""
+    """Closed postures at times (K,) in order, with the driven positions and velocities (K, nd) there."""
 
     time: Array
     driven: Array
+    speed: Array
     closed: Closed
 
 
@@ -64,15 +75,60 @@ def close_motion(mechanism: Mechanism, motion: Motion, time: Array) -> tuple[Arr
         part = slice(first, first + _CHUNK)
         instants, back = np.unique(time[part], return_inverse=True)
         wanted = driven[part][np.unique(back, return_index=True)[1]]
-        parent = np.clip(np.searchsorted(knots.time, instants, side="right") - 1, 0, len(knots.time) - 1)
-        start = knots.closed.rows(parent)
-        postures = _reached(mechanism, branch, evaluate, (start, knots.driven[parent], knots.time[parent]),
-                            (wanted, instants)).q  # fmt: skip
-        postures[:, model.jnt_qposadr[joints]] = wanted
-        closed = refined(mechanism, branch, evaluate, postures, wanted)
+        closed = _closed(mechanism, branch, evaluate, knots, (wanted, instants))
         q[part] = closed.q[back]
         transmission[part] += transmission_of(branch, closed, (1, *transmission.shape[1:]))[back]
     return q, transmission
+
+
+def _closed(
+    mechanism: Mechanism, branch: Branch, evaluate: Evaluator, knots: Knots, goal: tuple[Array, Array]
+) -> Closed:
+    """Postures closed to rounding at driven positions (M, nd) of instants (M,).
+
+    Guessed between the knots and closed at once; a posture that does not obey what a step of a walk must obey is
+    walked to from the knot before it.
+    """
+    wanted, instants = goal
+    loop, places = branch.loop, mechanism.model.jnt_qposadr[mechanism.driven_ids]
+    parent = np.clip(np.searchsorted(knots.time, instants, side="right") - 1, 0, len(knots.time) - 1)
+    guess = _guessed(branch, knots, parent, instants)
+    if guess is None:
+        late, closed = np.arange(len(instants)), knots.closed.rows(parent)
+    else:
+        guess[:, places] = wanted
+        closed = loop.newton(evaluate, guess, goal=SHUT, turns=4)
+        start = knots.closed.rows(parent)
+        late = np.flatnonzero(~((closed.worst <= CLOSED) & (closed.sigma > loop.margin) & (turn(start, closed) < TURN)))
+    if late.size:
+        start = knots.closed.rows(parent[late])
+        at = (start, knots.driven[parent[late]], knots.time[parent[late]])
+        postures = _reached(mechanism, branch, evaluate, at, (wanted[late], instants[late])).q
+        postures[:, places] = wanted[late]
+        closed.put(late, refined(mechanism, branch, evaluate, postures, wanted[late]))
+    return sound(mechanism, branch, closed, wanted)
+
+
+def _guessed(branch: Branch, knots: Knots, parent: NDArray[np.int_], time: Array) -> Array | None:
+    """Postures (M, nq) by cubics through the knots' positions and velocities; None where joints have quaternions."""
+    loop, model = branch.loop, branch.loop.model
+    joints = model.dof_jntid[loop.dependent]
+    plain = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    if len(knots.time) < 2 or not np.isin(model.jnt_type[joints], [int(kind) for kind in plain]).all():
+        return None
+    places = model.jnt_qposadr[joints]
+    steer = knots.speed[:, branch.places] / loop.columns[loop.driven]
+    speed = (knots.closed.rate @ steer[..., None])[..., 0] * loop.columns[loop.dependent]
+    first = np.minimum(parent, len(knots.time) - 2)
+    span = np.diff(knots.time)[first]
+    s = ((time - knots.time[first]) / span)[:, None]
+    a, b = (knots.closed.q[index][:, places] for index in (first, first + 1))
+    va, vb = (speed[index] * span[:, None] for index in (first, first + 1))
+    guess = knots.closed.q[first]
+    guess[:, places] = (
+        (1 + 2 * s) * (1 - s) ** 2 * a + s * (1 - s) ** 2 * va + s**2 * (3 - 2 * s) * b - s**2 * (1 - s) * vb
+    )
+    return guess
 
 
 def _knots(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, motion: Motion) -> Knots:
@@ -96,7 +152,7 @@ def _knots(mechanism: Mechanism, branch: Branch, evaluate: Evaluator, motion: Mo
         here = (closed, driven[k - 1 : k], time[k - 1 : k])
         closed = _reached(mechanism, branch, evaluate, here, (driven[k : k + 1], time[k : k + 1]))
         found = found.join(closed)
-    knots = Knots(time, driven, found)
+    knots = Knots(time, driven, motion.at(time)[1], found)
     _known[motion] = (weakref.ref(mechanism), knots)
     return knots
 

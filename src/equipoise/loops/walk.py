@@ -16,6 +16,7 @@ Flags = NDArray[np.bool_]
 STEP = 0.2  # largest motion of any joint in one step, rad or characteristic lengths
 SMALLEST = 1e-6  # a step that must be shorter than this runs into a wall
 CLOSED = 1e-9  # residual that a step leaves; the final posture is refined to rounding
+CLEAR = 10.0  # margins above which a bound of the singular value is enough
 TURN = 0.9  # below 1 the chord between two Jacobians meets no singular one
 
 
@@ -24,7 +25,8 @@ class Closed:
     """Postures with their linearised loops: all dimensionless, N rows.
 
     q (N, nq), error (N, m) residual, slope (N, m, n) Jacobian of the dependent dofs and steer (N, m, k) of
-    the driven ones, inverse (N, n, m) pseudo-inverse of slope, sigma (N,) its n-th singular value.
+    the driven ones, inverse (N, n, m) pseudo-inverse of slope, sigma (N,) its n-th singular value, or
+    a lower bound where that is well above the margin.
     """
 
     q: Array
@@ -86,11 +88,7 @@ class Loop:
         """The loops at postures q, which need not be closed."""
         error, jacobian = self.scaled(evaluate, q)
         slope, steer = jacobian[:, :, self.dependent], jacobian[:, :, self.driven]
-        left, values, right = np.linalg.svd(slope, full_matrices=False)
-        weights = np.divide(1.0, values, out=np.zeros_like(values), where=values > 1e-10 * values[:, :1])
-        inverse = np.swapaxes(right, 1, 2) @ (weights[:, :, None] * np.swapaxes(left, 1, 2))
-        count = len(self.dependent)
-        sigma = values[:, count - 1] if values.shape[1] >= count else np.zeros(len(q))
+        inverse, sigma = inverted(slope, CLEAR * self.margin)
         return Closed(q, error, slope, steer, inverse, sigma)
 
     def move(self, q: Array, step: Array, dofs: NDArray[np.int_]) -> Array:
@@ -115,6 +113,44 @@ class Loop:
             step *= np.minimum(1.0, stride / np.maximum(longest, 1e-300))
             closed.put(late, self.linearise(evaluate, self.move(now.q, step, self.dependent)))
         return closed
+
+
+def inverted(slope: Array, clear: float) -> tuple[Array, Array]:
+    """Pseudo-inverses (N, n, m) of matrices (N, m, n), and the n-th singular value (N,) or a lower bound of it.
+
+    The normal equations give G = slope' slope, slope^+ = G^-1 slope', |G^-1|_F^(-1/2) <= sigma. Only where that bound
+    falls below `clear`, or the normal equations lose half the digits, does the singular value decomposition tell the
+    value itself.
+    """
+    count = slope.shape[2]
+    if not count or slope.shape[1] < count:
+        return _decomposed(slope)
+    normal = np.swapaxes(slope, 1, 2)
+    gram = normal @ slope
+    size = np.trace(gram, axis1=1, axis2=2)
+    gram[:, range(count), range(count)] += 1e-15 * size[:, None] + 1e-300
+    back = np.linalg.inv(gram)
+    inverse = back @ normal
+    with np.errstate(all="ignore"):
+        sigma = np.einsum("nij,nij->n", back, back) ** -0.25
+        late = np.flatnonzero(~(sigma > np.maximum(clear, 1e-4 * np.sqrt(size))))
+    if late.size:
+        inverse[late], sigma[late] = _decomposed(slope[late])
+    return inverse, sigma
+
+
+def _decomposed(slope: Array) -> tuple[Array, Array]:
+    left, values, right = np.linalg.svd(slope, full_matrices=False)
+    weights = np.divide(1.0, values, out=np.zeros_like(values), where=values > 1e-10 * values[:, :1])
+    inverse = np.swapaxes(right, 1, 2) @ (weights[:, :, None] * np.swapaxes(left, 1, 2))
+    count = slope.shape[2]
+    sigma = values[:, count - 1] if values.shape[1] >= count else np.zeros(len(slope))
+    return inverse, sigma
+
+
+def least_singular(slope: Array) -> Array:
+    """The n-th singular value (N,) of matrices (N, m, n)."""
+    return _decomposed(slope)[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +189,7 @@ def walk(loop: Loop, evaluate: Evaluator, start: Closed, span: Array) -> Walk:
         ahead = loop.move(here.q, part[:, None] * way, loop.driven)
         ahead = loop.move(ahead, part[:, None] * follow, loop.dependent)
         there = loop.newton(evaluate, ahead, goal=CLOSED, turns=6)
-        sound = (there.worst <= CLOSED) & (_turn(here, there) < TURN)
+        sound = (there.worst <= CLOSED) & (turn(here, there) < TURN)
         taken = sound & (there.sigma > loop.margin)
         lowest[active[sound]] = np.minimum(lowest[active[sound]], there.sigma[sound])
         now.put(active[taken], there.rows(np.flatnonzero(taken)))
@@ -173,7 +209,8 @@ def _room(here: Closed, there: Closed, part: Array) -> Array:
     return np.where(drop > 0.0, part * there.sigma**2 / np.where(drop > 0.0, drop, 1.0), np.inf)
 
 
-def _turn(here: Closed, there: Closed) -> Array:
+def turn(here: Closed, there: Closed) -> Array:
+    """min(|J0^+ (J1 - J0)|, |J1^+ (J1 - J0)|) (N,): below 1 no Jacobian between the two is singular."""
     change = there.slope - here.slope
     forward, backward = here.inverse @ change, there.inverse @ change
     return np.sqrt(np.minimum((forward**2).sum(axis=(1, 2)), (backward**2).sum(axis=(1, 2))))

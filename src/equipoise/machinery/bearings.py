@@ -13,8 +13,8 @@ from equipoise.assemble import Balancer, settled
 from equipoise.design import Row
 from equipoise.loops import constraint_jacobian
 from equipoise.loops.constraints import Connect, Weld
-from equipoise.machinery.instants import rows_of
-from equipoise.machinery.loosened import beyond, carried_bodies, is_bearing, loosen
+from equipoise.machinery.loosened import beyond, carried_bodies, is_bearing, loosen, own_loads
+from equipoise.machinery.norms import rows_of
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -94,9 +94,8 @@ def bearing_rows(
 def _forces(states: States, balancers: Sequence[Balancer], values: Mapping[str, float]) -> Array:
     """Forces (N, B, 3) in the order of `named`."""
     model = states.mechanism.model
-    loose = loosen(states)
-    mechanism = loose.mechanism
-    total = mechanism.loads(loose).b
+    total = own_loads(states)
+    loose = loosen(states) if balancers else states
     for balancer in balancers:
         share = balancer.effort(loose, "drive")
         total = total + share.at(np.array([values[unknown.name] for unknown in share.unknowns]))

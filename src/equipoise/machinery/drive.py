@@ -12,12 +12,13 @@ from equipoise.affine import Array, Block
 from equipoise.assemble import Balancer, settled
 from equipoise.balancers.spring import Spring
 from equipoise.design import Row
-from equipoise.machinery.instants import rows_of
+from equipoise.machinery.norms import rows_of
 from equipoise.mechanism import Mechanism
 from equipoise.momentum import bare_drive
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
+HALVINGS = 40
 PARTS = ("inertial", "gravity", "springs", "friction")
 
 
@@ -156,10 +157,15 @@ def supplies(
 
 
 def _split(time: Array, power: Array) -> Supply:
-    from scipy.interpolate import PPoly, make_interp_spline
+    """The integrals of the positive and the negative part of a quintic spline through powers, W, at times, s."""
+    from scipy.interpolate import make_interp_spline
 
-    law = PPoly.from_spline(make_interp_spline(time, power, k=min(5, (len(time) - 2) // 2 * 2 + 1)))
-    roots = law.roots(extrapolate=False)
-    marks = np.unique(np.r_[time[0], roots[np.isfinite(roots)], time[-1]])
-    pieces = np.diff(law.antiderivative()(marks))
+    law = make_interp_spline(time, power, k=min(5, (len(time) - 2) // 2 * 2 + 1))
+    turns = np.flatnonzero(np.sign(power[1:]) * np.sign(power[:-1]) < 0)
+    low, high = time[turns], time[turns + 1]
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        same = law(middle) * law(low) > 0
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    pieces = np.diff(law.antiderivative()(np.unique(np.concatenate([time, low]))))
     return Supply(float(pieces[pieces > 0].sum()), float(-pieces[pieces < 0].sum()))

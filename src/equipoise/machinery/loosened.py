@@ -9,9 +9,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from equipoise.affine import Affine, Block
+from equipoise.affine import Array, Block
 from equipoise.loops import ancestors
+from equipoise.loops.posture import cross
 from equipoise.mechanism import Mechanism
+from equipoise.momentum import body_inertia, wrench
 from equipoise.states import States
 
 _TRANSLATIONS = {int(mujoco.mjtJoint.mjJNT_SLIDE): 1, int(mujoco.mjtJoint.mjJNT_FREE): 3}
@@ -26,20 +28,34 @@ class Loosened(Mechanism):
         """All coordinates: joints first."""
         return (Block("every coordinate", "", self.model.nv + 3 * len(carried_bodies(self.model))),)
 
-    def loads(self, states: States) -> Affine:
-        """Inertia and weight of the mechanism in all coordinates (N, nv + 3 K), its springs and dampers in the joints'.
 
-        In a joint the generalised force that the motion asks for where no loop closes, in a separation the force, N,
-        that holds on to all that lies beyond the bearing.
-        """
-        from equipoise.momentum import bare_drive
+def own_loads(states: States) -> Array:
+    """What the mechanism's own motion, weight, springs and dampers ask for in all coordinates (N, nv + 3 K).
 
-        total = sum(bare_drive(states), start=np.zeros(1))
-        weights, model = np.zeros_like(total), self.model
-        for body in range(1, model.nbody):
-            along = states._bodies[body][0][..., model.nv :]
-            weights[:, model.nv :] -= model.body_mass[body] * (self.gravity @ along)
-        return Affine.known(self.driven_blocks, total + weights)
+    In a joint the generalised force where no loop closes, in a separation the force, N, that holds on to all that
+    lies beyond the bearing: the wrenches of the bodies, summed from the tips to the base.
+    """
+    mechanism, model, kin = states.mechanism, states.mechanism.model, states.kin
+    wrenches = np.zeros((len(states), model.nbody, 6))
+    for body in np.flatnonzero([states.carried(body) for body in range(model.nbody)]):
+        place = states.placement(model.body(body).name)
+        own = wrench(place, body_inertia(model, int(body))[None])[..., 0]
+        lift = -model.body_mass[body] * mechanism.gravity
+        centre = place.frame @ np.append(model.body_ipos[body], 1.0)
+        wrenches[:, body] = own + np.concatenate([np.broadcast_to(lift, centre.shape), np.cross(centre, lift)], axis=1)
+    for point, mass in zip(states.payload_points, states.payload_mass.T, strict=True):
+        lift = -mass[:, None] * mechanism.gravity
+        moment = np.cross(states.point(point)[0], lift)
+        body = mechanism.body_id(point.body)
+        wrenches[:, body] += states.point_wrench(point, mass) + np.concatenate([lift, moment], axis=1)
+    for body in range(model.nbody - 1, 0, -1):  # parents come first
+        wrenches[:, model.body_parentid[body]] += wrenches[:, body]
+    held = wrenches[:, model.dof_bodyid]
+    centre = kin.com[:, model.dof_bodyid]
+    moment = held[..., 3:] - cross(centre, held[..., :3])
+    joints = (kin.cdof * np.concatenate([moment, held[..., :3]], axis=2)).sum(axis=2)
+    joints += states.moving.acceleration * model.dof_armature - kin.spring - states.moving.damper
+    return np.concatenate([joints, wrenches[:, carried_bodies(model), :3].reshape(len(states), -1)], axis=1)
 
 
 def carried_bodies(model: mujoco.MjModel) -> NDArray[np.int_]:

@@ -12,6 +12,7 @@ import numpy as np
 from equipoise.affine import magnitudes
 from equipoise.assemble import account
 from equipoise.design import Row
+from equipoise.instants import between
 from equipoise.mechanism import Mechanism
 from equipoise.peaks import polish
 from equipoise.states import States
@@ -122,19 +123,23 @@ def table(
     magnitude = magnitudes(residual, [block.size for block in blocks])
     new = np.array([place for place, block in enumerate(blocks) if block.name not in known], dtype=int)
     sampled = magnitude[:, new].reshape(len(sweep.scenarios), len(sweep.poses), -1).max(axis=0)
-    probe = steepness(mechanism, sweep, blocks, account)
-    peaks = polish(lambda places, rows: probe(places, new[rows]), sweep.coordinates, sampled, sweep.domain)
+    if sweep.instants is None:
+        probe = steepness(mechanism, sweep, blocks, account)
+        peak = polish(lambda places, rows: probe(places, new[rows]), sweep.coordinates, sampled, sweep.domain).value
+    else:
+        sizes = [block.size for block in blocks]
+        peak = between(mechanism, sweep, sampled, lambda other: magnitudes(account(other)[1], sizes)[:, new])
     limits = dict(zip(mechanism.driven, mechanism.motor_limits, strict=True))
     found = {
         blocks[i].name: Row(
-            peak=float(peak),
+            peak=float(high),
             sample_peak=float(sample),
             rms=float(np.sqrt(weight @ magnitude[:, i] ** 2)),
             mean=float(weight @ magnitude[:, i]),
             unit=blocks[i].unit,
             limit=float(limits[blocks[i].name]) if np.isfinite(limits.get(blocks[i].name, np.inf)) else None,
         )
-        for i, peak, sample in zip(new, peaks.value, peaks.sample, strict=True)
+        for i, high, sample in zip(new, peak, sampled.max(axis=0), strict=True)
     }
     return {block.name: known.get(block.name) or found[block.name] for block in blocks}
 

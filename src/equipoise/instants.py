@@ -1,44 +1,23 @@
-"""Norms over the states of a motion, with peaks found between the instants."""
+"""Peaks between the instants of a motion."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
-from equipoise.affine import Array, Block
-from equipoise.design import Row
+from equipoise.affine import Array
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
-HILLS = 3
+HILLS = 6
 ROUNDS = 4
 POINTS = 9
 FAINT = 1e-12
 
 Magnitudes = Callable[[States], Array]
 """states -> magnitudes (N, R), not negative."""
-
-
-def rows_of(
-    mechanism: Mechanism, sweep: Sweep, states: States, blocks: Sequence[Block], account: Magnitudes
-) -> dict[str, Row]:
-    """A row per block: rms and mean over the sweep's weights, the worst payload's sampled and polished peaks."""
-    size = account(states)
-    weight = states.weight / states.weight.sum()
-    sampled = size.reshape(len(sweep.scenarios), -1, len(blocks)).max(axis=0)
-    peaks = between(mechanism, sweep, sampled, account)
-    return {
-        block.name: Row(
-            peak=float(peaks[i]),
-            sample_peak=float(sampled[:, i].max()),
-            rms=float(np.sqrt(weight @ size[:, i] ** 2)),
-            mean=float(weight @ size[:, i]),
-            unit=block.unit,
-        )
-        for i, block in enumerate(blocks)
-    }
 
 
 def between(mechanism: Mechanism, sweep: Sweep, sampled: Array, account: Magnitudes) -> Array:

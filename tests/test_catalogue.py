@@ -1,0 +1,199 @@
+"""Catalogues: what the reader recognises, what it refuses and where, what can be wound, what filters leave."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import equipoise as eq
+from equipoise.errors import InputError
+from equipoise.parts.headers import FACTORS, recognise
+from equipoise.units import to_si
+
+STOCK = Path(__file__).parents[1] / "examples" / "stock_springs.csv"
+INCH = """\
+Part No,Outside Diameter (in),Wire Dia (in),Free Length (in),Rate (lbs/in),Initial Tension (lbs),Max Load (lbs)
+E-1,0.5,0.063,2.0,8.5,2.1,20
+E-2,0.25,0.031,1.0,4.2,0.8,6
+"""
+
+
+def write(tmp_path, text):
+    file = tmp_path / "springs.csv"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_inches_and_pounds(tmp_path):
+    found = eq.read_catalogue(write(tmp_path, INCH))
+    assert found.part == ("E-1", "E-2")
+    assert found.rate[0] == pytest.approx(8.5 * 4.4482216152605 / 0.0254)
+    assert found.free_length == pytest.approx([0.0508, 0.0254])
+    assert found.initial_tension[1] == pytest.approx(0.8 * 4.4482216152605)
+    assert found.travel[0] == pytest.approx((20 - 2.1) / 8.5 * 0.0254)
+    assert list(found.line) == [2, 3]
+    spring = found.spring(0, 2)
+    assert spring.k == pytest.approx(2 * found.rate[0])
+    assert "E-1" in spring.order_line()
+    # The mass that the file leaves out is that of the wire whose coils give the rate.
+    wire, diameter = 0.063 * 0.0254, (0.5 - 0.063) * 0.0254
+    coils = eq.grade("ASTM A228").shear * wire**4 / (8 * diameter**3 * found.rate[0])
+    assert found.mass[0] == pytest.approx(7850 * np.pi**2 * wire**2 * diameter * (coils + 2) / 4)
+
+
+@pytest.mark.parametrize("unit", [unit for unit in FACTORS if unit])
+def test_factors_are_those_of_pint(unit):
+    """ozf is a sixteenth of lbf; all others pint knows by the same name."""
+    kinds = {"N/m": "/", "N": ("N", "kN", "lbf", "ozf", "kgf"), "m": ("mm", "cm", "m", "in")}
+    kind = next((si for si, marks in kinds.items() if ("/" in unit if marks == "/" else unit in marks)), "kg")
+    share = 16 if "ozf" in unit else 1
+    assert FACTORS[unit] * share == pytest.approx(to_si(f"1 {unit.replace('ozf', 'lbf')}", kind), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("header", "found"),
+    [
+        ("Spring Rate [lbs/in]", ("rate", "lbf/in")),
+        ("R (N/mm)", ("rate", "N/mm")),
+        ("Federrate, N/mm", ("rate", "N/mm")),
+        ("L0", ("free_length", None)),
+        ("Free Length (in)", ("free_length", "in")),
+        ("free_length_mm", ("free_length", "mm")),
+        ("d", ("wire", None)),
+        ("D", ("diameter", None)),
+        ("De [mm]", ("outside", "mm")),
+        ("F0 N", ("initial_tension", "N")),
+        ("Artikelnummer", ("part", None)),
+        ("Stock #", ("part", None)),
+        ("Max. Load (lbs)", ("force", "lbf")),
+        ("Ln", ("longest", None)),
+        ("Gewicht [g]", ("mass", "g")),
+        ("Price (EUR)", None),
+    ],
+)
+def test_headers_are_recognised(header, found):
+    assert recognise(header) == found
+
+
+def test_german_with_a_line_of_units_and_decimal_commas(tmp_path):
+    text = (
+        "Artikelnummer;d;De;L0;R;F0;Ln;Gewicht\n;mm;mm;mm;N/mm;N;mm;g\n"
+        "Z-1;1,0;10,0;50,5;0,35;4,2;110;6,1\nZ-2;2,0;20,0;80;0,8;12;190;30\n"
+    )
+    found = eq.read_catalogue(write(tmp_path, text))
+    assert found.rate == pytest.approx([350, 800])
+    assert found.travel == pytest.approx([0.0595, 0.11])
+    assert found.mass == pytest.approx([0.0061, 0.03])
+    assert found.width == pytest.approx([0.01, 0.02])
+
+
+def test_units_in_cells_and_mapped_columns(tmp_path):
+    text = "which one,Rate,Free length,elongation\nA,1.2 N/mm,50 mm,30 mm\nB,2 N/mm,60 mm,20 mm\n"
+    found = eq.read_catalogue(write(tmp_path, text), columns={"part": "which one", "travel": "elongation"})
+    assert found.rate == pytest.approx([1200, 2000])
+    assert found.travel == pytest.approx([0.03, 0.02])
+    assert "no mass" in found.remarks[0]
+
+
+def test_columns_without_a_unit_follow_the_others_or_what_is_asked(tmp_path):
+    text = "part,rate,free length,max length [mm]\nA,1.2,50,80\n"
+    assert eq.read_catalogue(write(tmp_path, text)).rate[0] == pytest.approx(1200)
+    bare = "part,rate,free length,max length\nA,1.2,50,80\n"
+    assert eq.read_catalogue(write(tmp_path, bare), units="inch").free_length[0] == pytest.approx(50 * 0.0254)
+
+
+def test_compression_springs_may_stand_beside(tmp_path):
+    text = "part,type,R [N/mm],L0 [mm],Lc [mm],Ln [mm]\nC,compression,2,80,30,\nE,extension,1,50,,90\n"
+    found = eq.read_catalogue(write(tmp_path, text))
+    assert found.form == ("compression", "extension")
+    assert found.travel == pytest.approx([0.05, 0.04])
+    assert found.spring(0).span == pytest.approx((0.03, 0.08))
+
+
+METRIC = "part,rate [N/mm],free length [mm],max length [mm]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "where", "words"),
+    [
+        ("", "springs.csv", "empty"),
+        (METRIC, "springs.csv", "no rows"),
+        ("part,free length [mm],max length [mm]\nA,1,2\n", "row 1", "no column for the rate among 'part'"),
+        ("part,rate [N/mm],free length [mm]\nA,1,2\n", "row 1", "no column says how far"),
+        (METRIC + "A,1,50,80\nB,-1,50,80\n", "row 3, column 'rate [N/mm]'", "is -1, it must be positive"),
+        (METRIC + "A,1,50,80\nB,0,50,80\nC,0,50,80\n", "row 3", "and 1 more rows"),
+        (METRIC + "A,1,50,80\nA,2,50,80\n", "row 3, column 'part'", "'A' stands twice, first in row 2"),
+        (METRIC + "A,1,50,80\nB,2 lbf/in,50,80\n", "row 3, column 'rate [N/mm]'", "mixed units"),
+        (METRIC + "A,1,fifty,80\n", "row 2, column 'free length [mm]'", "'fifty' is not a number"),
+        (METRIC + "A,1,50 parsec,80\n", "row 2", "'parsec' is no unit of a length"),
+        (METRIC + "A,1,,80\n", "row 2, column 'free length [mm]'", "is empty"),
+        (METRIC + ",1,50,80\n", "row 2, column 'part'", "no part number"),
+        (METRIC + "A,1,50,40\n", "row 2, column 'max length [mm]'", "no travel"),
+        (METRIC + "A,1,50,\n", "row 2", "nothing says how far"),
+        (METRIC + "A,1,50,80,90\n", "row 2", "5 cells under 4 headers"),
+        ("part,rate,free length,max length\nA,1,50,80\n", "column 'rate'", "no column says its unit"),
+        ("part,rate,free length [mm],max length [in]\nA,1,50,80\n", "column 'rate'", "both metric and inch"),
+        ("part,rate [N/mm],k [N/mm],L0 [mm],Ln [mm]\nA,1,1,5,8\n", "springs.csv", "both 'rate \\[N/mm\\]' and 'k"),
+        ("part,type,R [N/mm],L0 [mm],Ln [mm]\nA,wave,1,5,8\n", "row 2, column 'type'", "no kind of spring"),
+    ],
+)
+def test_faults_are_told_with_row_and_column(tmp_path, text, where, words):
+    with pytest.raises(InputError, match=words) as error:
+        eq.read_catalogue(write(tmp_path, text))
+    assert where in error.value.where
+    assert error.value.exit_code == 2
+
+
+def test_a_file_that_is_none(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        eq.read_catalogue(tmp_path / "none.csv")
+    (tmp_path / "binary.csv").write_bytes(b"part\0rate")
+    with pytest.raises(InputError, match="no text file"):
+        eq.read_catalogue(tmp_path / "binary.csv")
+    with pytest.raises(InputError, match="no column 'rte' to map"):
+        eq.read_catalogue(write(tmp_path, INCH), columns={"rte": "Rate (lbs/in)"})
+    with pytest.raises(InputError, match="no header 'Rte'"):
+        eq.read_catalogue(write(tmp_path, INCH), columns={"rate": "Rte"})
+
+
+def test_a_rate_that_its_wire_cannot_have_is_remarked(tmp_path):
+    text = "part,d [mm],D [mm],n,R [N/mm],L0 [mm],Ln [mm]\nA,2,20,30,0.679,100,200\nB,2,20,30,6.79,100,200\n"
+    found = eq.read_catalogue(write(tmp_path, text))
+    assert len(found.remarks) == 1
+    assert found.remarks[0].startswith("row 3: the rate of B is 10")
+
+
+def test_the_grid_holds_what_can_be_wound():
+    grid = eq.MakeableGrid(wire=(0.001, 0.002), index=(3.0, 6.0, 10.0), coils=(1.0, 20.0), tension=(0.5, 1.0))
+    found = grid.catalogue()
+    sizes = eq.preferred_sizes()
+    count = int(((sizes > 0.00099) & (sizes < 0.00201)).sum())
+    assert len(found) == count * 2 * 1 * 2
+    assert any(f"{count * 4} left out: spring index outside 4..20" in remark for remark in found.remarks)
+    for row in range(0, len(found), 7):
+        spring = found.spring(row)
+        assert spring.k == pytest.approx(found.rate[row])
+        assert spring.span[1] - spring.span[0] == pytest.approx(found.travel[row])
+        assert spring.own_mass == pytest.approx(found.mass[row])
+    with pytest.raises(InputError, match="no wire to try"):
+        eq.MakeableGrid(wire=(0.03, 0.04)).catalogue()
+    with pytest.raises(InputError, match=r"can be wound: .* spring index"):
+        eq.MakeableGrid(index=(2.0,)).catalogue()
+
+
+def test_filters_say_how_many_they_removed():
+    whole = eq.read_catalogue(STOCK)
+    assert len(whole) == 1300
+    kept, removed = eq.Pick(catalogue=STOCK, part="SY-00*", width=0.01, mass=0.01).table()
+    assert removed["part SY-00*"] == 1300 - 99
+    assert len(kept) == 99 - sum(count for words, count in removed.items() if "part" not in words)
+    assert (kept.width <= 0.01).all()
+    with pytest.raises(InputError, match="none of its 1300 springs is left: 1300 by part XY") as error:
+        eq.Pick(catalogue=STOCK, part="XY*").table()
+    assert "relax the filter" in error.value.hint
+    with pytest.raises(InputError, match="keep is 0"):
+        eq.Pick(keep=0)
+    with pytest.raises(InputError, match="both asked for"):
+        eq.Pick(catalogue=STOCK, grid=eq.MakeableGrid())
