@@ -174,6 +174,19 @@ def work_words(part: Mapping[str, Any]) -> str:
     return ", ".join(f"{name} {value}" for name, value in facts(part)) + room_words(part) + mass + pushing(part)
 
 
+def placed_words(part: Mapping[str, Any], design: Design) -> str:
+    """Where the spring was put among equals, the area it sweeps and the workspace that costs; or nothing."""
+    placed = design.places.get(part["name"])
+    if placed is None:
+        return ""
+    turn = f"turned about the joint by {quantity(placed.turn, 'rad', 3)}" if abs(placed.turn) > 1e-9 else "not turned"
+    swap = ", distances of crank and pivot swapped" if placed.swapped else ""
+    return (
+        f"placed {turn}{swap}; sweeps {sig(placed.area, 3)} m^2 with rods and guides, "
+        f"{sig(100 * placed.share, 2)} % of the links' own sweep"
+    )
+
+
 def room_words(part: Mapping[str, Any]) -> str:
     """`, room 130 x 0 x 260 mm`: the box that spring and rods sweep, along the world's axes."""
     sides = [high - low for low, high in zip(*part["room"], strict=True)]
