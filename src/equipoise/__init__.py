@@ -98,6 +98,7 @@ _HOME = {
     "Stiffness": "limits",
     "MassCap": "limits",
     "ExactAt": "limits",
+    "Avoid": "limits",
     "Balanced": "limits",
     "Elongation": "limits",
     "SpringIndex": "limits",
@@ -218,6 +219,7 @@ __all__ = [
     "Affine",
     "Aim",
     "Angle",
+    "Avoid",
     "BSpline",
     "Balanced",
     "Bearing",
@@ -510,6 +512,7 @@ if TYPE_CHECKING:
     )
     from equipoise.friction import Friction
     from equipoise.limits import (
+        Avoid,
         Balanced,
         Convex,
         Curvature,

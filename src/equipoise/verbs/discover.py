@@ -12,6 +12,8 @@ from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, addit
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
+from equipoise.interference import shell
+from equipoise.interference.findings import clashes
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
@@ -118,10 +120,24 @@ def discover(
         margin=collection.margin,
         refused=collection.refused,
         pairs=tuple(dict.fromkeys(batch.place for batch in collection.dictionary.batches)),
-        notes=tuple(found.notes),
+        notes=(*found.notes, *_clashes(found.designs, request)),
         stopped=found.stopped,
         values=tuple(found.values),
     )
+
+
+def _clashes(designs: Sequence[Design], request: Discover) -> list[str]:
+    """What the springs of every design run into, and where the capsules come from."""
+    if not designs:
+        return []
+    notes = [f"capsules {shell(designs[0].mechanism, request.radius).words}"]
+    for design in designs:
+        seen = clashes(design, request.radius)
+        count = len(design.balancers)
+        notes += [f"with {count}: {clash.words}" for clash in seen]
+        if not seen:
+            notes.append(f"with {count}: no spring runs into a body or passes a joint's axis")
+    return notes
 
 
 def _before(design: Design, aim: Aim) -> float:
@@ -134,12 +150,12 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
     contenders = _contenders(collection, ranked, aim.norm)
     tried: list[tuple[tuple[str, ...], Refined]] = []
     for subset in contenders:
-        parts = Parts.of([collection.dictionary.propose(i, k) for k, i in enumerate(subset, 1)])
+        parts = Parts.of([collection.propose(i, k) for k, i in enumerate(subset, 1)])
         _try(refiner, parts, collection.dictionary.places(subset), tried)
     before = found.refined
     if before is not None and len(before.parts.balancers) == count - 1:
         for index in additions(collection, before, None, 1):
-            parts = before.parts.with_one(collection.dictionary.propose(index, count))
+            parts = before.parts.with_one(collection.propose(index, count))
             _try(refiner, parts, (f"the {count - 1} before", *collection.dictionary.places((index,))), tried)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
     found.alternatives += [
