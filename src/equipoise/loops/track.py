@@ -99,7 +99,10 @@ def close_beside(mechanism: Mechanism, motion: Motion, driven: Array) -> tuple[A
     knots = _knots(mechanism, branch, evaluate, motion)
     scale = loop.columns[loop.driven]
     tree = KDTree(knots.driven[:, branch.places] / scale)
-    q, transmission = np.tile(branch.home.q[0], (len(driven), 1)), np.repeat(selection_of(mechanism), len(driven), axis=0)
+    q, transmission = (
+        np.tile(branch.home.q[0], (len(driven), 1)),
+        np.repeat(selection_of(mechanism), len(driven), axis=0),
+    )
     q[:, model.jnt_qposadr[joints]] = driven
     for first in range(0, len(driven), _CHUNK):
         part = slice(first, first + _CHUNK)
