@@ -96,7 +96,7 @@ def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:
     left = np.abs(design.residual(states))[:, joints] - total[:, joints]
     worst = left.argmax(axis=1)
     moves = left.max(axis=1) > 0
-    falling = _falling(design, few, states)[np.arange(len(states)), np.array(joints)[worst]]
+    falling = _falling(design, states)[np.arange(len(states)), np.array(joints)[worst]]
     units = dict(zip(mechanism.driven, mechanism.driven_units, strict=True))
     rows = {
         mechanism.driven[j]: Drag(
@@ -115,15 +115,12 @@ def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:
     )
 
 
-def _falling(design: Design, few: Any, states: States) -> Array:
+def _falling(design: Design, states: States) -> Array:
     """Whether each joint's residual (N, nd) falls as it gives way: the joint's own stiffness is positive."""
     found = np.zeros_like(states.driven, dtype=bool)
     for joint in range(states.driven.shape[1]):
         step = np.zeros(states.driven.shape[1])
         step[joint] = STEP
-        there, back = (
-            design.residual(design.mechanism.states(few.at_poses(few.poses + sign * step)))[:, joint]
-            for sign in (1, -1)
-        )
+        there, back = (design.residual(states.nearby(states.driven + sign * step))[:, joint] for sign in (1, -1))
         found[:, joint] = there > back
     return found
