@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Mask
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.friction import Friction
 from equipoise.states import States
+from equipoise.sweep import Sweep
 
 POSES = 500
 STEP = 1e-4
@@ -96,7 +97,7 @@ def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:
     left = np.abs(design.residual(states))[:, joints] - total[:, joints]
     worst = left.argmax(axis=1)
     moves = left.max(axis=1) > 0
-    falling = _falling(design, states)[np.arange(len(states)), np.array(joints)[worst]]
+    falling = _falling(design, few, states)[np.arange(len(states)), np.array(joints)[worst]]
     units = dict(zip(mechanism.driven, mechanism.driven_units, strict=True))
     rows = {
         mechanism.driven[j]: Drag(
@@ -115,12 +116,15 @@ def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:
     )
 
 
-def _falling(design: Design, states: States) -> Array:
+def _falling(design: Design, few: Sweep, states: States) -> Mask:
     """Whether each joint's residual (N, nd) falls as it gives way: the joint's own stiffness is positive."""
     found = np.zeros_like(states.driven, dtype=bool)
     for joint in range(states.driven.shape[1]):
         step = np.zeros(states.driven.shape[1])
         step[joint] = STEP
-        there, back = (design.residual(states.nearby(states.driven + sign * step))[:, joint] for sign in (1, -1))
+        there, back = (
+            design.residual(design.mechanism.states(few.at_poses(few.poses + sign * step)))[:, joint]
+            for sign in (1, -1)
+        )
         found[:, joint] = there > back
     return found
