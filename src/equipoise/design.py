@@ -72,8 +72,9 @@ class Certificate:
     """How good the answer is, recomputed from the problem's data.
 
     kind `exact` (residual at rounding level, also off the grid), `convex` (primal, dual and gap) or `local`
-    (starts, how many different optima, the spread of their values, what one more step would gain). quadrature is
-    how much the objective changes, relatively, on a finer rule over the same region.
+    (starts, how many different optima, the spread of their values, what one more step would gain), `bracketed` where
+    dual bounds all geometry within the bounds, after so many boxes of branch and bound. quadrature is how much the
+    objective changes, relatively, on a finer rule over the same region.
     """
 
     kind: str
@@ -89,6 +90,7 @@ class Certificate:
     floors: tuple[Floor, ...] = ()
     flat: tuple[str, ...] = ()
     quadrature: float | None = None
+    boxes: int = 0
 
     @property
     def gap(self) -> float:
@@ -260,6 +262,7 @@ class Design:
                 "floors": [vars(floor) for floor in certificate.floors],
                 "flat": certificate.flat,
                 "quadrature": certificate.quadrature,
+                "boxes": certificate.boxes,
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),

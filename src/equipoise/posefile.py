@@ -16,6 +16,8 @@ from equipoise.units import to_si
 
 RESULTS = ("before ", "after ", "payload ")
 """Heads of columns that a report's residuals.csv holds beside the poses."""
+BESIDE = ("time", "weight")
+"""Columns that a list of poses or a motion does not need."""
 
 
 def held(mechanism: Mechanism) -> Array:
@@ -70,7 +72,7 @@ def _header(cell: str, mechanism: Mechanism, path: Path, own: Mapping[str, str])
     name, unit = name.strip(), unit.strip().rstrip("]").strip()
     if name in own or name in mechanism.driven:
         return name, unit
-    if name.startswith(RESULTS):
+    if name.startswith(RESULTS) or name in BESIDE:
         return "", ""
     hint = nearest(name, [*mechanism.driven, *own])
     raise InputError(f"column {name!r} is not a driven joint", where=f"{path}, line 1", hint=hint)

@@ -317,7 +317,12 @@ def certificate_words(design: Design) -> str:
     c = design.certificate
     value, unit = shown(c.primal, c.unit)
     share = f" ({sig(c.gap / c.primal, 1)} of the value)" if c.primal > 0 else ""
-    if c.kind == "exact":
+    if c.kind == "bracketed":
+        words = (
+            f"bracketed: no geometry within the bounds leaves less than {sig(shown(c.dual, c.unit)[0])} {unit}, "
+            f"{sig(100 * c.gap / c.primal, 2) if c.primal > 0 else '0'} % below this one; {c.boxes} boxes"
+        )
+    elif c.kind == "exact":
         words = f"exact: {sig(value, 2)} {unit} left, also at poses outside the sweep"
     else:
         words = f"convex, gap {sig(shown(c.gap, c.unit)[0], 2)} {unit}{share}"

@@ -62,6 +62,7 @@ def _close_keys(spec: mujoco.MjSpec, design: Design) -> None:
     poses = {key.name: original.key_qpos[index] for index, key in enumerate(mechanism.spec.keys)}
     # taken from the sweep's own states: a motion may come there by a way that no straight walk finds
     first = _standing(mechanism, design.states.kin.q[middle])
+    first = mechanism.states(design.sweep.at(design.sweep.coordinates[[middle]]))
     added = _positions(design, first)
     if not added:
         return
