@@ -242,6 +242,8 @@ def test_design_picks_where_the_file_asks(problem, tmp_path, capsys):
     assert (tmp_path / "out" / "candidates_s1.csv").exists()
     page = (tmp_path / "out" / "report.html").read_text()
     assert found["parts"][0]["order"] in page
+    assert "What to order" in page
+    assert "s1 breaks" in page
     assert main(["verify", str(tmp_path / "out" / "design.json")]) == 0
 
 
