@@ -30,7 +30,7 @@ GEOMETRIES = 8192
 BEGINNINGS = 4
 RANKED, APART = 256, 0.2
 """Best geometries that are looked at for beginnings, and how far apart those lie, in shares of the bounds."""
-ALONG, ACROSS = 16, 96
+ALONG, ACROSS = 12, 96
 """States that stand for all, of one joint and of several."""
 SOUNDED = 130_000
 """Geometries times states that are sifted, at most GEOMETRIES of them."""
@@ -38,7 +38,7 @@ PRICE = 30.0
 KEPT = 1e-6
 """Relative excess of a limit over all states up to which it is kept."""
 PASSES = 3
-GLANCES = ((3, 4), (2, 8), (1, 10))
+GLANCES = ((2, 4), (1, 8))
 """(how many, steps): after so many steps each, so many of a part's beginnings go on."""
 
 SCORED = 325
