@@ -6,6 +6,8 @@ import itertools
 import json
 import subprocess
 import sys
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +20,7 @@ from equipoise.discovery.collect import collect
 from equipoise.discovery.plain import plain_problem
 from equipoise.discovery.subsets import Search
 from equipoise.errors import InfeasibleError
-from equipoise.problem import problem_of
+from equipoise.problem import load_problem, problem_of
 from equipoise.yamlfile import Document
 
 G = 9.81
@@ -296,3 +298,40 @@ def test_command_line_writes_designs_that_other_verbs_accept(tmp_path):
     ran = run("discover", file)
     assert ran.returncode == 2
     assert "line 3" in ran.stderr
+
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+
+
+def found(name, poses):
+    """The front of an example over the first few of its poses, which a Sobol sweep spreads evenly too."""
+    problem = load_problem(EXAMPLES / name)
+    problem.check()
+    sweep = problem.sweep.thinned(np.arange(poses))
+    return eq.discover(
+        problem.mechanism, sweep, problem.content.discover, objective=problem.objective, limits=problem.limits
+    )
+
+
+def test_ur10_discover():
+    """Two ideal springs leave the wrist's own load, from 121 N m at the shoulder."""
+    front = found("ur10_discover.yaml", 256)
+    assert front.before == pytest.approx(121.03, abs=0.05)
+    assert front.values[0] == pytest.approx(34.235, abs=0.3)
+    assert front.values[1] <= 0.3
+    assert not front.designs[1].missed
+    assert front.recommended == 1
+    for design in front.designs:
+        assert all(part["force"][1] <= 2000 * (1 + 1e-6) for part in design.parts())
+        assert design.certificate.kind == "local"
+
+
+def test_panda_discover_with_one_spring():
+    """A single spring across shoulder, roll and elbow; the whole example, with two, takes minutes."""
+    problem = load_problem(EXAMPLES / "panda_discover.yaml")
+    problem.check()
+    request = replace(problem.content.discover, springs=1, contenders=1)
+    front = eq.discover(problem.mechanism, problem.sweep.thinned(np.arange(128)), request, objective=problem.objective)
+    assert front.before == pytest.approx(57.0, abs=0.8)
+    assert front.values[0] < 26.0
+    assert eq.verify(front.designs[0], poses=200).verification.agrees

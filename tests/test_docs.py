@@ -38,7 +38,7 @@ FIRST = {page: next((text for kind, text in FENCE.findall(page.read_text()) if k
 def test_a_yaml_snippet_is_a_valid_problem(page, text, tmp_path):
     reader = YAML(typ="safe")
     said, first = reader.load(text), reader.load(FIRST[page])
-    whole = {"mechanism": first["mechanism"], "balancers": first["balancers"], **said}
+    whole = {key: first[key] for key in ("mechanism", "balancers") if key in first} | said
     file = tmp_path / "problem.yaml"
     with file.open("w") as stream:
         YAML().dump(whole, stream)

@@ -356,6 +356,7 @@ LIMITS = {
     "slack": lambda: eq.Slack("b"),
     "length": lambda: eq.Length("b", max=0.9, min=0.1),
     "stroke": lambda: eq.Stroke("b", max=0.3),
+    "avoid": lambda: eq.Avoid("b", radius=0.03, gap=0.01),
     "stiffness": lambda: eq.Stiffness("b", max=2000.0, min=5.0),
     "elongation": lambda: eq.Elongation("b", max=1.0, min=0.05),
     "extension": lambda: eq.Extension("b", max=0.2),

@@ -184,3 +184,24 @@ def test_analysis_and_design_tell_motors_and_bearings(capsys, tmp_path):
     assert machine["after"]["bearings"]["crank_joint"]["peak"] < machine["before"]["bearings"]["crank_joint"]["peak"]
     assert set(machine["after"]["drive"]["crank_joint"]["parts"]) == {"inertial", "gravity", "springs", "friction"}
     assert "bearing rocker_joint" in told.err
+
+
+def test_the_table_of_a_report_is_the_motion_again(tmp_path, bar):
+    """residuals.csv holds time, efforts, force and moment; read back it is the same motion."""
+    sweep = eq.Sweep.motion(bar, {"crank_joint": "2*pi*t/T"}, duration=T, samples=61)
+    weight = eq.Counterweight("tail", eq.Point("crank", (-0.05, 0.0, 0.0)))
+    design = eq.balance(bar, [weight], sweep, objective=eq.Aim("force"))
+    eq.report(eq.verify(design, poses=20), tmp_path)
+    head = (tmp_path / "residuals.csv").read_text().splitlines()[0].split(",")
+    assert head[:3] == ["time [s]", "crank_joint [rad]", "weight"]
+    assert "after force z [N]" in head
+    assert "before moment y [N m]" in head
+    table = np.genfromtxt(tmp_path / "residuals.csv", delimiter=",", skip_header=1)
+    force = table[:, [head.index(f"after force {axis} [N]") for axis in "xyz"]]
+    rms = np.sqrt(table[:, 2] @ (force**2).sum(axis=1) / table[:, 2].sum())
+    assert rms == pytest.approx(design.after["force"].rms, rel=1e-9)
+    again = eq.Sweep.motion(bar, tmp_path / "residuals.csv")
+    assert again.poses == pytest.approx(sweep.poses)
+    page = (tmp_path / "report.html").read_text()
+    for words in ("Motors and bearings over the motion", "floating base", "crank to coupler"):
+        assert words in page

@@ -207,3 +207,82 @@ def test_the_front_of_moment_against_mass_begins_at_force_balance(bar):
     assert "0.7500 kg at least" in str(found)
     with pytest.raises(eq.InfeasibleError, match=r"ask for 0\.75 at least"):
         eq.front(bar, flat_weights(), turn, objective=eq.Aim("moment"), limits=[eq.Balanced("force")], caps=[0.5])
+
+
+@pytest.fixture(scope="module")
+def turning_bar(bar):
+    """The force-balanced four-bar over one turn at 500 rpm with a flywheel of 0.01 kg m^2, and its law."""
+    at = {"crank": ((-0.05, 0, 0), 0.2), "rocker": ((-0.0625, 0, 0), 0.55)}
+    weights = [eq.Counterweight(f"w_{body}", eq.Point(body, place), mass=mass) for body, (place, mass) in at.items()]
+    wheel = eq.Flywheel("wheel", inertia=0.01)
+    sweep = eq.Sweep.motion(bar, {"crank_joint": "2*pi*t/T"}, duration=0.12, samples=361)
+    design = eq.balance(bar, [*weights, wheel], sweep, objective=eq.Aim("force"))
+    return design, design.flywheel_law(wheel)
+
+
+def wheel_of(law, **options):
+    """The law of another flywheel against the same moment."""
+    axis = np.array([0.0, -1.0, 0.0])
+    moment, momentum = np.outer(-law.torque, axis), np.outer(-law.speed * law.inertia, axis)
+    wheel = eq.Flywheel("wheel", **options)
+    wheel.check(None)
+    return wheel.law(law.time, moment, momentum)
+
+
+def test_the_angle_of_a_flywheel_is_a_closed_form(turning_bar):
+    """K3 and K4 of Berkof's in-line four-bar; the crank's uniform turning adds nothing to the speed."""
+    design, law = turning_bar
+    K3, K4 = -0.001125, 0.00579427083
+    assert law.form["coupler"] == pytest.approx(K3, rel=1e-8)
+    assert law.form["rocker"] == pytest.approx(K4, rel=1e-8)
+    q, v = design.states.kin.q, design.states.rates.velocity
+    crank = law.form["crank"]
+    turned = K3 * (q[:, 0] + q[:, 1]) + K4 * q[:, 2] + crank * q[:, 0]
+    begun = K3 * (v[0, 0] + v[0, 1]) + K4 * v[0, 2] + crank * v[0, 0]
+    np.testing.assert_allclose(law.angle, (begun * law.time - (turned - turned[0])) / 0.01, atol=1e-10)
+    integral = np.concatenate([[0], np.cumsum(0.5 * (law.speed[1:] + law.speed[:-1]) * np.diff(law.time))])
+    np.testing.assert_allclose(law.angle, integral, atol=2e-3)
+    assert "in closed form" in str(design)
+
+
+@pytest.mark.parametrize("limits", [{"speed": 100.0}, {"power": 300.0}, {"speed": 60.0, "power": 300.0}])
+def test_the_smallest_flywheel_from_rest_and_turning(turning_bar, limits):
+    from_rest, turning = (wheel_of(turning_bar[1], **limits, start=start) for start in ("rest", "turning"))
+    for law in (from_rest, turning):
+        assert np.abs(law.speed).max() <= limits.get("speed", np.inf) * (1 + 1e-9)
+        assert np.abs(law.power).max() <= limits.get("power", np.inf) * (1 + 1e-9)
+        assert law.inertia == pytest.approx(max(law.needs.values()))
+    assert from_rest.speed[0] == 0
+    assert turning.inertia < 0.999 * from_rest.inertia
+    np.testing.assert_allclose(turning.torque, from_rest.torque, atol=1e-12)
+    # no other initial speed needs less
+    stored = turning.speed * turning.inertia
+    for other in (-1e-3, 1e-3):
+        shifted = stored + other * np.ptp(stored)
+        speed = np.abs(shifted).max() / limits.get("speed", np.inf)
+        power = np.abs(turning.torque * shifted).max() / limits.get("power", np.inf)
+        assert max(speed, power) > turning.inertia
+
+
+def test_a_motor_too_weak_for_the_flywheel_is_refused(turning_bar):
+    law = turning_bar[1]
+    with pytest.raises(eq.InfeasibleError, match="no inertia changes that"):
+        wheel_of(law, inertia=0.01, torque=1.0)
+    with pytest.raises(eq.InfeasibleError, match="too little for the motor's speed"):
+        wheel_of(law, inertia=1e-4, speed=10.0)
+    with pytest.raises(eq.InputError, match="cannot start 'rset'"):
+        wheel_of(law, inertia=0.01, start="rset")
+
+
+def test_meshes_of_a_planetary_pair(three):
+    """The belt carries the pair's own inertia and the rotor's through the ratio: (J_gear + rho^2 J) w'."""
+    states = three.states(motion(three, samples=101))
+    rotor = eq.CounterRotor("g", "rod_1", ratio=2.0, inertia=0.03, gear_inertia=0.006)
+    mesh, belt = rotor.meshes(states, {})
+    spin = states.placement("rod_1").push @ np.array([0.0, -1.0, 0.0])
+    np.testing.assert_allclose(mesh.torque, -0.06 * spin, atol=1e-12)
+    np.testing.assert_allclose(belt.torque, (0.006 + 4 * 0.03) * spin, atol=1e-12)
+    for one in (mesh, belt):
+        assert one.reversals >= 1
+        one_sided = (one.torque + one.preload).min() >= -1e-12 or (one.torque - one.preload).max() <= 1e-12
+        assert one_sided

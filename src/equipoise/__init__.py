@@ -98,6 +98,7 @@ _HOME = {
     "Stiffness": "limits",
     "MassCap": "limits",
     "ExactAt": "limits",
+    "Avoid": "limits",
     "Balanced": "limits",
     "Elongation": "limits",
     "SpringIndex": "limits",
@@ -203,6 +204,7 @@ _HOME = {
     "Comparing": "comparing",
     "Comparison": "verbs.compare",
     "compare": "verbs.compare",
+    "certify": "verbs.certify",
 }
 
 __all__ = [
@@ -213,6 +215,7 @@ __all__ = [
     "Affine",
     "Aim",
     "Angle",
+    "Avoid",
     "BSpline",
     "Balanced",
     "Bearing",
@@ -345,6 +348,7 @@ __all__ = [
     "by_payload",
     "cable_platform",
     "caspr",
+    "certify",
     "chain",
     "clearance",
     "closure",
@@ -500,6 +504,7 @@ if TYPE_CHECKING:
     )
     from equipoise.friction import Friction
     from equipoise.limits import (
+        Avoid,
         Balanced,
         Convex,
         Curvature,
@@ -572,6 +577,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.adjust import Adjusted, adjust
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
+    from equipoise.verbs.certify import certify
     from equipoise.verbs.compare import Comparison, compare
     from equipoise.verbs.conditions import Conditions, conditions
     from equipoise.verbs.discover import discover

@@ -140,9 +140,12 @@ def shape(
         typer.Option("--map", metavar="A B", help="Draw the norm over two free parameters into the folder."),
     ] = None,
     norm: Annotated[str | None, typer.Option("--norm", help="Norm of the map: rms, peak or mean.")] = None,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Bound what any geometry within the bounds could reach (up to four free).")
+    ] = False,
 ) -> int:
     """Geometry within its bounds and all unknowns together."""
-    from equipoise.solving import served, shaped, solvable_problem
+    from equipoise.solving import bracketed, served, shaped, solvable_problem
 
     problem = solvable_problem(file, "shape")
     if problem.cases and not over:
@@ -158,6 +161,8 @@ def shape(
             hint = nearest(name, list(problem.bounds))
             raise InputError(f"{name!r} is no free parameter", where=f"{problem.document.name}, --map", hint=hint)
     found, stopped = shaped(problem, seed, starts)
+    if certify and not stopped:
+        found, stopped = bracketed(found, problem)
     if not over or stopped:
         return _answer(found, problem, json, out, stopped)
     return _mapped(found, problem, json, out or _default_out(problem), over=over, norm=norm)
@@ -169,7 +174,7 @@ def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, s
     """Shape, balance or discover, verify and report in one go."""
     from equipoise.solving import balanced, designed, served, shaped, solvable_problem
 
-    chosen = designed(file, seed)
+    chosen = designed(file)
     if chosen is not None:
         found, problem, stopped = chosen
         return _reported(found, problem, json, out or _default_out(problem), stopped)
@@ -248,7 +253,6 @@ def discover(
     *,
     json: Json = False,
     out: Out = None,
-    seed: Seed = None,
     payload: Annotated[str | None, typer.Option("--payload", metavar="MASSES", help="Masses to carry: 0,5kg.")] = None,
     at: Annotated[str | None, typer.Option("--at", metavar="BODY", help="The body that carries them.")] = None,
     springs: Annotated[int | None, typer.Option("--springs", min=1, help="The largest number of springs.")] = None,
@@ -258,7 +262,7 @@ def discover(
     from equipoise.solving import discovered, discovery
 
     problem = discovery(file, payload, at, springs, kinds)
-    front, stopped = discovered(problem, seed)
+    front, stopped = discovered(problem)
     return _fronted(front, problem, json, out, stopped)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -72,8 +72,9 @@ class Certificate:
     """How good the answer is, recomputed from the problem's data.
 
     kind `exact` (residual at rounding level, also off the grid), `convex` (primal, dual and gap) or `local`
-    (starts, how many different optima, the spread of their values, what one more step would gain). quadrature is
-    how much the objective changes, relatively, on a finer rule over the same region.
+    (starts, how many different optima, the spread of their values, what one more step would gain), `bracketed` where
+    dual bounds all geometry within the bounds, after so many boxes of branch and bound. quadrature is how much the
+    objective changes, relatively, on a finer rule over the same region.
     """
 
     kind: str
@@ -89,6 +90,7 @@ class Certificate:
     floors: tuple[Floor, ...] = ()
     flat: tuple[str, ...] = ()
     quadrature: float | None = None
+    boxes: int = 0
 
     @property
     def gap(self) -> float:
@@ -190,7 +192,24 @@ class Design:
         fixed = settled(self.balancers, self.values)
         moment, momentum = without_wheels(self.mechanism, fixed, self.states, self.values, pole)
         rows = order  # scenarios follow one another; the law is that of the first
-        return wheel.law(instants.time[rows], moment[rows], momentum[rows])
+        turning, form = self._rotations(wheel, pole)
+        return wheel.law(
+            instants.time[rows], moment[rows], momentum[rows], None if turning is None else turning[rows], form
+        )
+
+    def _rotations(self, wheel: Flywheel, pole: Sequence[float]) -> tuple[np.ndarray | None, Mapping[str, float]]:
+        """The sum of rotations (N,) whose rate is the momentum about a flywheel's axis, where it is one."""
+        from equipoise.regressor import frame
+        from equipoise.spins import spin_form, turned
+
+        plane = frame(self.mechanism).plane
+        along = 0.0 if plane is None else float(plane @ wheel.normal)
+        form = spin_form(self.mechanism, self.balancers, self.values, self.sweep) if abs(along) > 1 - 1e-9 else None
+        if form is None or any(pole):
+            return None, {}
+        sense = float(np.sign(along))
+        turning = sense * turned(self.mechanism, self.states.kin.q, form)
+        return turning, {body: sense * K for body, K in form.items()}
 
     @cached_property
     def machine(self) -> tuple[Machine, Machine] | None:
@@ -243,6 +262,7 @@ class Design:
                 "floors": [vars(floor) for floor in certificate.floors],
                 "flat": certificate.flat,
                 "quadrature": certificate.quadrature,
+                "boxes": certificate.boxes,
             },
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
@@ -365,6 +385,7 @@ def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:
         "speed": float(np.abs(law.speed).max()),
         "power": float(np.abs(law.power).max()),
         "angle": float(law.angle[-1]),
+        "form": dict(law.form),
     }
 
 

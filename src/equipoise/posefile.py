@@ -16,6 +16,8 @@ from equipoise.units import to_si
 
 RESULTS = ("before ", "after ", "payload ")
 """Heads of columns that a report's residuals.csv holds beside the poses."""
+BESIDE = ("time", "weight")
+"""Columns that a list of poses or a motion does not need."""
 
 
 def held(mechanism: Mechanism) -> Array:
@@ -37,9 +39,12 @@ def read_columns(mechanism: Mechanism, path: Path, own: Mapping[str, str]) -> di
         with path.open(newline="", encoding="utf-8-sig") as stream:
             lines = [line for line in csv.reader(stream) if any(cell.strip() for cell in line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"cannot read the poses: {error}", where=str(path)) from None
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"cannot read the file: {reason}", where=str(path), hint="check the path") from None
     if len(lines) < 2:
-        raise InputError("the file has no poses", where=str(path), hint="one header line, then a line per pose")
+        raise InputError(
+            "the file has no rows", where=str(path), hint="one header line, then a line per pose or instant"
+        )
     heads = [_header(cell, mechanism, path, own) for cell in lines[0]]
     columns = {name: np.empty(len(lines) - 1) for name, _ in heads if name}
     for row, line in enumerate(lines[1:]):
@@ -67,7 +72,7 @@ def _header(cell: str, mechanism: Mechanism, path: Path, own: Mapping[str, str])
     name, unit = name.strip(), unit.strip().rstrip("]").strip()
     if name in own or name in mechanism.driven:
         return name, unit
-    if name.startswith(RESULTS):
+    if name.startswith(RESULTS) or name in BESIDE:
         return "", ""
     hint = nearest(name, [*mechanism.driven, *own])
     raise InputError(f"column {name!r} is not a driven joint", where=f"{path}, line 1", hint=hint)

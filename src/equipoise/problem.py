@@ -203,7 +203,7 @@ class Problem:
         """Label, mechanism and sweep of one of the `cases`."""
         changes = dict(self.raw["cases"][index])
         label = str(changes.pop("case", "")) or ", ".join(f"{name} {value}" for name, value in changes.items())
-        block = self.raw["mechanism"]
+        block: Any = self.raw["mechanism"]
         key = next(iter(block)) if isinstance(block, Mapping) else block
         own = {} if isinstance(block, str) else block[key]
         whole = {**block, **changes} if "model" in block else {key: {**(own or {}), **changes}}

@@ -102,6 +102,25 @@ def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adju
     return found, interrupts.hit
 
 
+def bracketed(design: Design, problem: Problem) -> tuple[Design, bool]:
+    """The design with a bound over all geometry, with progress on stderr; whether Ctrl-C cut the search short."""
+    from equipoise.verbs.certify import certify
+
+    said = [0]
+
+    def tell(boxes: int, low: float, high: float) -> None:
+        if boxes >= 2 * said[0] + 500:
+            said[0] = boxes
+            unit = design.certificate.unit
+            say(f"certify: {boxes} boxes, between {low:.5g} and {high:.5g} {unit}")
+
+    with problem.at_names(), Interrupts() as interrupts:
+        found, bracket = certify(design, progress=tell)
+    if bracket.stopped:
+        say("the branch and bound was stopped by hand: the bound so far holds")
+    return found, interrupts.hit
+
+
 def discovery(file: str, payload: str | None, at: str | None, springs: int | None, kinds: str | None) -> Problem:
     """The problem that a discovery works on: a file's own `discover` block, or a robot's, changed by what was said."""
     from equipoise.discovery.ask import asked
@@ -109,7 +128,7 @@ def discovery(file: str, payload: str | None, at: str | None, springs: int | Non
     return asked(_target(file), payload, at, springs, kinds)
 
 
-def discovered(problem: Problem, seed: int | None) -> tuple[Discovery, bool]:
+def discovered(problem: Problem) -> tuple[Discovery, bool]:
     """The front of a problem, with progress on stderr; whether Ctrl-C cut the search short."""
     from equipoise.verbs.discover import discover
 
@@ -128,7 +147,6 @@ def discovered(problem: Problem, seed: int | None) -> tuple[Discovery, bool]:
             problem.content.discover,
             objective=problem.objective,
             limits=problem.limits,
-            seed=problem.search.seed if seed is None else seed,
             progress=tell,
         )
     if interrupts.hit:
@@ -136,14 +154,14 @@ def discovered(problem: Problem, seed: int | None) -> tuple[Discovery, bool]:
     return front, interrupts.hit
 
 
-def designed(file: str, seed: int | None) -> tuple[Design, Problem, bool] | None:
+def designed(file: str) -> tuple[Design, Problem, bool] | None:
     """The recommended design of a file with a `discover` block; None for any other."""
     target = _target(file)
     if target.bare or target.design is not None or target.problem.content.discover is None:
         return None
     from equipoise.discovery.ask import design_problem
 
-    front, stopped = discovered(target.problem, seed)
+    front, stopped = discovered(target.problem)
     say(str(front))
     design = front.designs[front.recommended]
     return design, design_problem(design, target.problem), stopped

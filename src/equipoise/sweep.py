@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from equipoise import workspace
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, Point
 from equipoise.motion.drivers import Driver
@@ -390,7 +390,7 @@ class Sweep:
         more = self.at(np.vstack([self.coordinates, coordinates]))
         return replace(more, weight=weight, box=self.box, finer=self.finer, outline=self.outline)
 
-    def thinned(self, rows: Array) -> Sweep:
+    def thinned(self, rows: Indices) -> Sweep:
         """Some of the states, each with a weight above zero."""
         moves = None if self.moves is None else take(self.moves, rows)
         return replace(self, poses=self.poses[rows], weight=np.maximum(self.weight[rows], 1e-300), moves=moves)

@@ -63,6 +63,7 @@ from equipoise.discovery.kinds import (
 )
 from equipoise.forms import Family, Form
 from equipoise.limits import (
+    Avoid,
     Balanced,
     Convex,
     Curvature,
@@ -180,6 +181,7 @@ DRIVERS: dict[str, Callable[..., Any]] = {
 }
 LIMITS: dict[str, Callable[..., Any]] = {
     "stroke": Stroke,
+    "avoid": Avoid,
     "elongation": Elongation,
     "spring_index": SpringIndex,
     "extension": Extension,

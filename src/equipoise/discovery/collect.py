@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
+from equipoise.balancers.paths import Line
+from equipoise.balancers.spring import Spring
 from equipoise.discovery.dictionary import Dictionary
 from equipoise.discovery.ground import Ground
-from equipoise.discovery.kinds import Scene
+from equipoise.discovery.kinds import Proposal, Scene
 from equipoise.discovery.lattice import Spots, lattice, listed
 from equipoise.discovery.request import Discover
 from equipoise.errors import InfeasibleError, InputError
-from equipoise.mechanism import Mechanism
+from equipoise.interference.axes import passed
+from equipoise.limits.avoid import Avoid, rooms
+from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -26,6 +30,9 @@ from equipoise.verbs.shape import thinned
 FINEST = 0.125
 COARSER = 1.1
 """The lattice starts at this share of the margin and coarsens by this factor until the candidates fit."""
+LOOKED_AT = 96
+TOGETHER = 400
+"""States at which candidates are looked at for what they run into, and candidates at once."""
 MARGIN = 0.1
 """Margin about the links as a share of the mechanism's size."""
 
@@ -41,6 +48,14 @@ class Collection:
     analysis: Analysis
     spacing: float
     margin: float
+
+    def propose(self, index: int, number: int) -> Proposal:
+        """A candidate as the number-th balancer of a design, with what the request asks of all."""
+        found = self.dictionary.propose(index, number)
+        straight = isinstance(found.balancer, Spring) and isinstance(found.balancer.path, Line)
+        if not (straight and self.request.avoids("bodies")):
+            return found
+        return replace(found, limits=(*found.limits, Avoid(found.balancer.name, self.request.radius)))
 
     @property
     def reached(self) -> set[int]:
@@ -84,7 +99,7 @@ def collect(mechanism: Mechanism, sweep: Sweep, request: Discover, aim: Aim) -> 
 
     moving = tuple(body for body in ground.groups if ground.between("world", body) and _carries(ground, body))
     bodies = _bodies(ground, moving, request, margin, spacing)
-    scene = Scene(ground, bare, counted, spots, found.worth, bodies, _keeper(request), Counter())
+    scene = Scene(ground, bare, counted, spots, found.worth, bodies, _keeper(request, bare), Counter())
     batches = tuple(batch for kind in request.kinds for batch in kind.batches(scene))
     if not batches:
         raise InfeasibleError(
@@ -133,11 +148,15 @@ def _spots(
     """Places on both bodies of all pairs, as fine as the number of candidates admits."""
     own = {body: listed(ground, body, points, margin) for body, points in (request.points or {}).items()}
     spacing = request.spacing or FINEST * margin
+    # Beside the links there is room on either side.
+    default = (margin, -margin) if request.avoids("bodies") else (0.0,)
+    asides = default if request.aside is None else (request.aside,)
     while True:
         found = []
         for pair in pairs:
-            made = lattice(ground, pair, spacing, margin, request.aside)
-            found.append(tuple(own.get(spots.body, spots) for spots in made))
+            for aside in asides if ground.normal(*pair) else asides[:1]:
+                made = lattice(ground, pair, spacing, margin, aside)
+                found.append(tuple(own.get(spots.body, spots) for spots in made))
         count = sum(len(a.places) * len(b.places) for a, b in found)
         if count <= request.candidates:
             return tuple(found), spacing
@@ -197,13 +216,45 @@ def _used(
     )
 
 
-def _keeper(request: Discover):
+def _keeper(request: Discover, states: States) -> Callable[..., Mapping[str, NDArray[np.bool_]]]:
+    """What refuses candidates whatever their kind: regions, bodies in the way, axes passed."""
+    few = states.take(slice(None, None, 1 + len(states) // LOOKED_AT))
+
     def keep(pair: tuple[str, str], a: Array, b: Array) -> Mapping[str, NDArray[np.bool_]]:
-        bad = np.zeros(len(a), dtype=bool)
-        for region in request.keep_out:
-            for body, places in zip(pair, (a, b), strict=True):
-                if region.body == body:
-                    bad |= region.holds(places)
-        return {"keep out": bad} if request.keep_out else {}
+        reasons: dict[str, NDArray[np.bool_]] = {}
+        if request.keep_out:
+            bad = np.zeros(len(a), dtype=bool)
+            for region in request.keep_out:
+                for body, places in zip(pair, (a, b), strict=True):
+                    if region.body == body:
+                        bad |= region.holds(places)
+            reasons["keep out"] = bad
+        if pair[0] == pair[1]:
+            return reasons
+        if request.avoids("bodies"):
+            reasons["a body in the way"] = _blocked(few, pair, a, b, request.radius)
+        if request.avoids("axes"):
+            over = [passed(few, pair, a[part], b[part]) for part in _parts(len(a))]
+            reasons["it passes a joint's axis"] = np.concatenate(
+                [np.any(list(one.values()), axis=0) if one else np.zeros(0, dtype=bool) for one in over]
+            )
+        return reasons
 
     return keep
+
+
+def _blocked(states: States, pair: tuple[str, str], a: Array, b: Array, radius: float | None) -> NDArray[np.bool_]:
+    found = []
+    for part in _parts(len(a)):
+        ends = (
+            Point(body, tuple(np.moveaxis(p[part][:, :, None], 1, 0))) for body, p in zip(pair, (a, b), strict=True)
+        )
+        blocked = np.zeros(len(a[part]), dtype=bool)
+        for _, room in rooms(states, Line(*ends), radius):
+            blocked |= (room < 0).any(axis=-1)
+        found.append(blocked)
+    return np.concatenate(found)
+
+
+def _parts(count: int) -> list[slice]:
+    return [slice(start, start + TOGETHER) for start in range(0, count, TOGETHER)]

@@ -114,6 +114,14 @@ class Ground:
         root = int(self.mechanism.model.body_weldid[self.mechanism.body_id(body)])
         return self.groups[self.mechanism.model.body(root).name]
 
+    def in_group(self, body: str, places: Array) -> Array:
+        """Places (C, 3) of a body in the frame of its group."""
+        model, data = self.mechanism.model, self._posture
+        one = self.mechanism.body_id(body)
+        root = int(model.body_weldid[one])
+        world = data.xpos[one] + places @ data.xmat[one].reshape(3, 3).T
+        return (world - data.xpos[root]) @ data.xmat[root].reshape(3, 3)
+
     def between(self, a: str, b: str) -> tuple[int, ...]:
         """Numbers of the joints that two bodies do not share."""
         model = self.mechanism.model

@@ -66,7 +66,7 @@ def listed(ground: Ground, body: str, points: Sequence[Sequence[float]], margin:
     group = ground.group_of(body)
     if not len(places):
         raise InputError(f"the list of points on {body} is empty", where=f"discover.points.{body}")
-    far = group.distance(_in_group(ground, body, places))
+    far = group.distance(ground.in_group(body, places))
     worst = int(far.argmax())
     if far[worst] > margin:
         raise InputError(
@@ -76,14 +76,6 @@ def listed(ground: Ground, body: str, points: Sequence[Sequence[float]], margin:
             hint="points are in the body's own frame, in m; widen `margin` if a bracket reaches so far",
         )
     return Spots(body, places, np.stack([places.min(axis=0), places.max(axis=0)], axis=1))
-
-
-def _in_group(ground: Ground, body: str, places: Array) -> Array:
-    """Places of a body in the frame of its group."""
-    model, data = ground.mechanism.model, ground._posture
-    one, root = ground.mechanism.body_id(body), int(model.body_weldid[ground.mechanism.body_id(body)])
-    world = data.xpos[one] + places @ data.xmat[one].reshape(3, 3).T
-    return (world - data.xpos[root]) @ data.xmat[root].reshape(3, 3)
 
 
 def _ticks(low: float, high: float, spacing: float) -> Array:

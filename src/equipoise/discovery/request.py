@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from equipoise.discovery.kinds import Ideal, Kind
 from equipoise.discovery.lattice import KeepOut
@@ -19,9 +20,11 @@ class Discover:
     join, by name (default: those whose joints are worth a spring), forbid pairs to leave out; points {body: [[x, y,
     z], ...]} replaces the lattice on a body, keep_out are boxes in which nothing may be attached. The lattice has
     `spacing` (default: as fine as `candidates` admits) within `margin` of a link's box (default: a tenth of the
-    mechanism's size), m; planar pairs lie in the plane `aside` from their joint, m. candidates is the most couples of
-    points, poses the most poses of the search, contenders how many subsets per number of springs are refined.
-    Raises InputError for counts below 1 and lengths that are not positive.
+    mechanism's size), m; planar pairs lie in the plane `aside` from their joint, m (default: 0, or a margin to both
+    sides where bodies are avoided). avoid forbids lines that run into the capsules about `bodies`, or pass joint
+    `axes` at some pose; radius, m, is that of capsules drawn where no collision shape is found. candidates is the most
+    couples of points, poses the most poses of the search, contenders how many subsets per number of springs are
+    refined. Raises InputError for counts below 1 and lengths that are not positive.
     """
 
     springs: int = 3
@@ -32,16 +35,22 @@ class Discover:
     keep_out: tuple[KeepOut, ...] = ()
     spacing: Length | None = None
     margin: Length | None = None
-    aside: Length = 0.0
+    aside: Length | None = None
+    avoid: Literal["nothing", "bodies", "axes", "both"] = "nothing"
+    radius: Length | None = None
     candidates: int = 4000
     poses: int = 1000
     contenders: int = 3
+
+    def avoids(self, what: str) -> bool:
+        """Whether `bodies` or `axes` are avoided."""
+        return self.avoid in (what, "both")
 
     def __post_init__(self) -> None:
         for name in ("springs", "candidates", "poses", "contenders"):
             if getattr(self, name) < 1:
                 raise InputError(f"{name} is {getattr(self, name)}, it must be at least 1", where="discover")
-        for name in ("spacing", "margin"):
+        for name in ("spacing", "margin", "radius"):
             value = getattr(self, name)
             if value is not None and not value > 0:
                 raise InputError(f"{name} is {value:g} m, it must be positive", where="discover")

@@ -1,5 +1,6 @@
 """What must hold: limits answer linear rows for the states of a sweep."""
 
+from equipoise.limits.avoid import Avoid
 from equipoise.limits.balanced import Balanced
 from equipoise.limits.cable import Tension, Transmission, WindUp
 from equipoise.limits.curve import Convex, Curvature, OverInterval, Slope
@@ -11,6 +12,7 @@ from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, St
 from equipoise.limits.spring_index import SpringIndex
 
 __all__ = [
+    "Avoid",
     "Balanced",
     "Convex",
     "Curvature",

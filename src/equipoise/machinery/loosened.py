@@ -39,7 +39,7 @@ def own_loads(states: States) -> Array:
     wrenches = np.zeros((len(states), model.nbody, 6))
     for body in np.flatnonzero([states.carried(body) for body in range(model.nbody)]):
         place = states.placement(model.body(body).name)
-        own = wrench(place, body_inertia(model, body)[None])[..., 0]
+        own = wrench(place, body_inertia(model, int(body))[None])[..., 0]
         lift = -model.body_mass[body] * mechanism.gravity
         centre = place.frame @ np.append(model.body_ipos[body], 1.0)
         wrenches[:, body] = own + np.concatenate([np.broadcast_to(lift, centre.shape), np.cross(centre, lift)], axis=1)

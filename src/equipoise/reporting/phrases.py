@@ -128,6 +128,8 @@ def _rotor_words(part: Mapping[str, Any]) -> str:
     if "torque_reversals" in part:
         words += f"; {part['torque_reversals']} torque reversals a run"
         words += f", anti-backlash preload {quantity(part['preload'], 'N m', 3)}"
+        for belt in part["meshes"][1:]:
+            words += f"; its belt {belt['reversals']} and {quantity(belt['preload'], 'N m', 3)}"
     return words
 
 
@@ -136,7 +138,8 @@ def _flywheel_words(part: Mapping[str, Any]) -> str:
         return "flywheel on the base"
     return (
         f"flywheel on the base, {quantity(part['inertia'], 'kg m^2')}: up to {quantity(part['speed'], 'rad/s')}, "
-        f"{quantity(part['torque'], 'N m')}, {quantity(part['power'], 'W')}"
+        f"{quantity(part['torque'], 'N m')}, {quantity(part['power'], 'W')}; it turns {quantity(part['angle'], 'rad')}"
+        + (" in all, in closed form" if part["form"] else " in all, integrated")
     )
 
 
@@ -310,7 +313,12 @@ def certificate_words(design: Design) -> str:
     c = design.certificate
     value, unit = shown(c.primal, c.unit)
     share = f" ({sig(c.gap / c.primal, 1)} of the value)" if c.primal > 0 else ""
-    if c.kind == "exact":
+    if c.kind == "bracketed":
+        words = (
+            f"bracketed: no geometry within the bounds leaves less than {sig(shown(c.dual, c.unit)[0])} {unit}, "
+            f"{sig(100 * c.gap / c.primal, 2) if c.primal > 0 else '0'} % below this one; {c.boxes} boxes"
+        )
+    elif c.kind == "exact":
         words = f"exact: {sig(value, 2)} {unit} left, also at poses outside the sweep"
     else:
         words = f"convex, gap {sig(shown(c.gap, c.unit)[0], 2)} {unit}{share}"

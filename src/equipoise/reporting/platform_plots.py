@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Mask
 from equipoise.balancers.spring import Spring
 from equipoise.cables.behaviour import Motors
 from equipoise.cables.distribution import reel_of
@@ -63,7 +63,7 @@ def resultant_map(sample: Sample) -> Figure | None:
 
 
 def _map(
-    ax: Axes, sample: Sample, pair: tuple[int, int], ticks: tuple[Array, Array], size: Array, inside: Array
+    ax: Axes, sample: Sample, pair: tuple[int, int], ticks: tuple[Array, Array], size: Array, inside: Mask
 ) -> None:
     from matplotlib.patches import Polygon
 
@@ -204,7 +204,7 @@ def _slides(sample: Sample) -> tuple[int, int] | None:
     return (moved[0], moved[-1]) if len(moved) > 1 else None
 
 
-def _grid(sample: Sample, pair: tuple[int, int]) -> tuple[Array, Array, Array, Array]:
+def _grid(sample: Sample, pair: tuple[int, int]) -> tuple[Array, Array, Mask, Array]:
     """Ticks of two slides, which points of their grid lie in the sweep's region (M,), and the poses (M, nd)."""
     design = sample.design
     assert design.cables is not None

@@ -68,7 +68,7 @@ def certificate(design: Design) -> Raw:
     """How good the answer is, what holds it where it is, and what to try."""
     c = design.certificate
     value, unit = shown(c.primal, c.unit)
-    here = " at this geometry" if design.geometry else ""
+    here = " at this geometry" if design.geometry and c.kind != "bracketed" else ""
     rows = [
         [f"reached ({phrases.goal_word(design)})", f"{sig(value, 6)} {unit}"],
         [f"nothing below this is possible{here}", value_words(c.dual, c.unit, 6)],

@@ -8,21 +8,25 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
-from equipoise.discovery.refine import Parts, Refined, Refiner, additions, judge
+from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
+from equipoise.interference import shell
+from equipoise.interference.findings import clashes
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
 from equipoise.verbs.balance import balance
-from equipoise.verbs.shape import COARSE, shape, thinned
+from equipoise.verbs.shape import descended, thinned
 
 JUDGED = 40
 """Subsets per number of springs that are judged by the objective's own norm."""
 EXCESS = 1e-5
+FEW = 256
+"""Poses over which contenders are refined."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
 
@@ -50,7 +54,6 @@ def discover(
     norm: Norm | None = None,
     objective: Aim | Sequence[Aim] | None = None,
     limits: Sequence[Limit] = (),
-    seed: int = 0,
     progress: Progress | None = None,
 ) -> Discovery:
     """Find which springs to add, where, and how big: the front of their number against what motors still hold.
@@ -79,7 +82,7 @@ def discover(
     ranked = search.best(request.springs, keep=JUDGED)
     bounds = bounds_of(collection, sweep, aim)
     found = _Found(floor=max((bound.value for bound in bounds), default=0.0))
-    few = thinned(sweep, mechanism.states(sweep), COARSE) if len(sweep.poses) > COARSE else sweep
+    few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
     try:
         for count in range(1, request.springs + 1):
@@ -89,7 +92,7 @@ def discover(
             if count in ranked:
                 _one(found, collection, refiner, ranked[count], count, aim)
                 if found.refined is not None:
-                    _finish(found, refiner, sweep, aim, seed)
+                    _finish(found, refiner, sweep, aim)
             if progress:
                 progress(count, request.springs, found.values[-1] if found.values else float("nan"))
     except KeyboardInterrupt:
@@ -117,10 +120,24 @@ def discover(
         margin=collection.margin,
         refused=collection.refused,
         pairs=tuple(dict.fromkeys(batch.place for batch in collection.dictionary.batches)),
-        notes=tuple(found.notes),
+        notes=(*found.notes, *_clashes(found.designs, request)),
         stopped=found.stopped,
         values=tuple(found.values),
     )
+
+
+def _clashes(designs: Sequence[Design], request: Discover) -> list[str]:
+    """What the springs of every design run into, and where the capsules come from."""
+    if not designs:
+        return []
+    notes = [f"capsules {shell(designs[0].mechanism, request.radius).words}"]
+    for design in designs:
+        seen = clashes(design, request.radius)
+        count = len(design.balancers)
+        notes += [f"with {count}: {clash.words}" for clash in seen]
+        if not seen:
+            notes.append(f"with {count}: no spring runs into a body or passes a joint's axis")
+    return notes
 
 
 def _before(design: Design, aim: Aim) -> float:
@@ -133,12 +150,12 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
     contenders = _contenders(collection, ranked, aim.norm)
     tried: list[tuple[tuple[str, ...], Refined]] = []
     for subset in contenders:
-        parts = Parts.of([collection.dictionary.propose(i, k) for k, i in enumerate(subset, 1)])
+        parts = Parts.of([collection.propose(i, k) for k, i in enumerate(subset, 1)])
         _try(refiner, parts, collection.dictionary.places(subset), tried)
     before = found.refined
     if before is not None and len(before.parts.balancers) == count - 1:
         for index in additions(collection, before, None, 1):
-            parts = before.parts.with_one(collection.dictionary.propose(index, count))
+            parts = before.parts.with_one(collection.propose(index, count))
             _try(refiner, parts, (f"the {count - 1} before", *collection.dictionary.places((index,))), tried)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
     found.alternatives += [
@@ -184,7 +201,7 @@ def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[Subs
     return chosen[: collection.request.contenders]
 
 
-def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, seed: int) -> None:
+def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
     """Shape the refined parts over the whole sweep; a design that is hardly better than the one before is told."""
     best = found.refined
     assert best is not None
@@ -197,10 +214,9 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, seed: int) 
         return
     try:
         if parts.free:
-            design = shape(
-                refiner.mechanism, parts.balancers, sweep, parts.free,
-                objective=refiner.objective, limits=limits, starts=1, seed=seed,
-            )  # fmt: skip
+            design = descended(
+                refiner.mechanism, parts.balancers, sweep, parts.free, refiner.objective, limits, PRECISION
+            )
         else:
             design = balance(refiner.mechanism, parts.balancers, sweep, objective=refiner.objective, limits=limits)
     except EquipoiseError as error:

@@ -84,16 +84,27 @@ def _move(stage: Path, target: Path) -> None:
 
 
 def _write_residuals(design: Design, path: Path) -> None:
-    """A row per pose and payload: joint positions, weight, payload masses, effort before and after."""
-    mechanism, states = design.mechanism, design.states
+    """A row per pose or instant and payload: joint positions, weight, payload masses, effort before and after.
+
+    Over a motion time comes first, efforts are what motors supply, and the base's force and moment stand beside them.
+    """
+    mechanism, states, instants = design.mechanism, design.states, design.sweep.instants
     units = mechanism.driven_units
     head = [f"{joint} [{'m' if unit == 'N' else 'rad'}]" for joint, unit in zip(mechanism.driven, units, strict=True)]
     head += ["weight", *(f"payload {point.body} [kg]" for point in states.payload_points)]
-    for word in ("before", "after"):
-        head += [f"{word} {joint} [{unit}]" for joint, unit in zip(mechanism.driven, units, strict=True)]
-    table = np.hstack(
-        [states.driven, states.weight[:, None], states.payload_mass, states.holding, design.residual(states)]
-    )
+    columns = [states.driven, states.weight[:, None], states.payload_mass]
+    if instants is not None:
+        head = ["time [s]", *head]
+        columns = [np.tile(instants.time, len(design.sweep.scenarios))[:, None], *columns]
+    for word, bare in (("before", True), ("after", False)):
+        if instants is None:
+            rows = dict(zip(mechanism.driven, (states.holding if bare else design.residual(states)).T, strict=True))
+        else:
+            rows = design.account(states, bare=bare)
+        for name, values in rows.items():
+            parts = [""] if values.ndim == 1 or values.shape[1] == 1 else [" x", " y", " z"]
+            head += [f"{word} {name}{part} [{design.before[name].unit}]" for part in parts]
+            columns.append(values.reshape(len(states), -1))
     with path.open("w", newline="", encoding="utf-8") as stream:
         csv.writer(stream).writerow(head)
-        np.savetxt(stream, table, fmt="%.12g", delimiter=",")
+        np.savetxt(stream, np.hstack(columns), fmt="%.12g", delimiter=",")

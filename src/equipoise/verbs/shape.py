@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +43,8 @@ from equipoise.verbs.balance import Balanced, Task, certify, finish, settle, tas
 COARSE = 400
 PER_START = 24
 REFINED = 4
+BRIEF = 25
+"""Steps of a descent from a geometry that is nearly optimal."""
 SOUNDED = 16
 NOTHING = 1e-8
 """Share of the load below which a start has found an exact balance, which no other can better."""
@@ -126,6 +129,34 @@ def shape(
         best, balanced = exact, settle(search.at(exact.gamma))
     balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
+
+
+def descended(
+    mechanism: Mechanism,
+    balancers: Sequence[Balancer],
+    sweep: Sweep,
+    free: Mapping[str, tuple[float, float]],
+    objective: Sequence[Aim],
+    limits: Sequence[Limit],
+    precision: float,
+) -> Design:
+    """The local optimum next to a geometry that is nearly one: a single descent over the whole sweep.
+
+    precision is what a further step may still gain, a share of the load. Raises EquipoiseError where the limits
+    cannot be kept.
+    """
+    freedoms = tuple(freedom_of(balancers, name, bounds) for name, bounds in free.items())
+    search = _Search(task_of(mechanism, balancers, sweep, None, tuple(objective), limits), freedoms)
+    states = mechanism.states(sweep)
+    load = load_of(search.task, states)
+    here = np.array([read(balancers, freedom.name) for freedom in freedoms], dtype=float)
+    options: dict[str, Any] = {"precision": precision, "iterations": BRIEF}
+    best = descend(search.builder(states), freedoms, here, load, radius=0.05, **options)
+    if best.excess > 1e-6:
+        raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
+    search, best, balanced = _refine(search, best, load, **options)
+    balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
+    return _finish(search, Optima((best,), 0), balanced)
 
 
 def freedom_of(balancers: Sequence[Balancer], name: str, bounds: tuple[float, float]) -> Freedom:
@@ -286,14 +317,14 @@ def _present(search: _Search) -> Array | None:
     return np.array([gamma], dtype=float) if all(inside) else None
 
 
-def _refine(search: _Search, best: Local, load: float) -> tuple[_Search, Local, Balanced]:
+def _refine(search: _Search, best: Local, load: float, **options: Any) -> tuple[_Search, Local, Balanced]:
     """Add the poses between the samples that exceed the peak, and descend again, until none does."""
     balanced = settle(search.at(best.gamma))
     for _ in range(REFINED):
         if not balanced.refined:
             break
         search = search.over(balanced.task.sweep)
-        best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02)
+        best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02, **options)
         balanced = settle(search.at(best.gamma))
     return search.over(balanced.task.sweep), best, balanced
 

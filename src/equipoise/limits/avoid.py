@@ -1,0 +1,73 @@
+"""The limit that keeps a straight spring clear of the links."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from equipoise import units
+from equipoise.affine import Array
+from equipoise.balancers.paths import Line
+from equipoise.balancers.spring import Spring
+from equipoise.errors import InputError
+from equipoise.interference import closest, shell
+from equipoise.limits.limit import Setting
+from equipoise.mechanism import Mechanism, Point
+from equipoise.solve.program import Rows
+from equipoise.states import States
+
+
+@dataclass(frozen=True)
+class Avoid:
+    """A spring's line stays at least `gap`, m, outside of the capsules about the links, at every state.
+
+    Capsules are fitted to the robot's collision STL or OBJ where the files are found, else drawn joint to joint with
+    `radius`, m (default: 4 % of the mechanism's size). A hook's own link does not count where the hook lies in its
+    capsule. The geometry alone decides. Raises InputError for a spring that is no straight line.
+    """
+
+    spring: str
+    radius: units.Length | None = None
+    gap: units.Length = 0.0
+
+    def rows(self, setting: Setting) -> tuple[Rows, ...]:
+        """radius + gap - distance <= 0, one row per state and capsule."""
+        spring = setting.find(self.spring, Spring, "avoid")
+        if not isinstance(spring.path, Line):
+            raise InputError(f"spring {self.spring} is no straight line", where="limit avoid")
+        found = []
+        for name, clear in rooms(setting.states, spring.path, self.radius):
+            room = clear - self.gap
+            none = np.zeros((*room.shape, 0), dtype=room.dtype)
+            state = np.arange(room.shape[-1])
+            found.append(Rows(f"clearance of {self.spring} from {name}", "m", none, room, (), state, scale=0.1))
+        return tuple(found)
+
+
+def rooms(states: States, line: Line, radius: float | None) -> list[tuple[str, Array]]:
+    """How far, m, a line (or candidates of one) stays outside of each capsule that counts (..., N), by its body."""
+    mechanism = states.mechanism
+    ends = tuple(states.point(point)[0] for point in (line.a, line.b))
+    at = tuple((_group(mechanism, point), _local(mechanism, point)) for point in (line.a, line.b))
+    found = []
+    for capsule, counts in shell(mechanism, radius).foreign(*at):
+        start, end = capsule.piece(states)
+        room = closest(*ends, start, end) - capsule.radius
+        if not counts.all():
+            room = np.where(counts.reshape(-1, 1) if room.ndim > 1 else counts[0], room, 1.0)
+        found.append((capsule.body, room))
+    return found
+
+
+def _group(mechanism: Mechanism, point: Point) -> str:
+    return str(mechanism.model.body(int(mechanism.model.body_weldid[mechanism.body_id(point.body)])).name)
+
+
+def _local(mechanism: Mechanism, point: Point) -> Array:
+    """Places (C, 3) of a point in the frame of its rigid group."""
+    from equipoise.discovery.ground import Ground
+
+    numbers = np.broadcast_arrays(*(np.atleast_1d(np.real(v)) for v in point.at))
+    places = np.stack([part.reshape(len(part), -1)[:, 0] for part in numbers], axis=-1)
+    return Ground(mechanism, np.zeros(len(mechanism.driven)), ()).in_group(point.body, places)

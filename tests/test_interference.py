@@ -1,0 +1,143 @@
+"""Interference: distances against brute force, capsules that hold their shapes, lines that keep clear."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+import equipoise as eq
+from equipoise.discovery.ground import Ground
+from equipoise.interference import closest, shell
+from equipoise.interference.axes import passed
+from equipoise.interference.capsules import fit
+from equipoise.interference.findings import clashes
+from equipoise.interference.meshes import corners
+from equipoise.limits.avoid import rooms
+
+
+def arm(span=180.0):
+    reach = np.radians(span)
+    links = [
+        eq.Link("upper", length=0.5, mass=3.0, limits=(-reach, reach)),
+        eq.Link("fore", length=0.4, mass=2.0, limits=(-reach, reach)),
+    ]
+    return eq.chain(links)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_distance_of_segments_is_the_least_over_both(seed):
+    rng = np.random.default_rng(seed)
+    a, b, c, d = rng.normal(size=(4, 3))
+    if seed % 3 == 1:
+        d = c + (b - a) * rng.normal()
+    if seed % 3 == 2:
+        b = a
+    best = min(
+        minimize(lambda x: np.linalg.norm(a + x[0] * (b - a) - c - x[1] * (d - c)), start, bounds=((0, 1), (0, 1))).fun
+        for start in ((0.1, 0.1), (0.9, 0.1), (0.1, 0.9), (0.9, 0.9))
+    )
+    assert closest(a, b, c, d) == pytest.approx(best, abs=1e-6)
+
+
+def test_capsules_hold_every_point_and_are_lean():
+    rng = np.random.default_rng(0)
+    group = Ground(arm(), np.zeros(2), ()).groups["upper"]
+    tube = np.stack([0.05 * np.cos(t := rng.uniform(0, 7, 400)), 0.05 * np.sin(t), rng.uniform(0, 0.6, 400)], axis=1)
+    for points in (tube, rng.normal(size=(50, 3)), rng.normal(size=(30, 3)) * [1, 0.01, 0.01] + 2):
+        capsule = fit("upper", points, group)
+        gap = closest(points, points, np.array(capsule.start), np.array(capsule.end))
+        assert gap.max() <= capsule.radius * (1 + 1e-6)
+    lean = fit("upper", tube, group)
+    assert lean.radius == pytest.approx(0.05, abs=0.005)
+
+
+CORNERS = np.array([[0.0, 0, 0], [0.4, 0, 0], [0, 0.1, 0], [0.4, 0, 0.2]])
+
+
+def written(kind, folder):
+    """One facet pair as a mesh file."""
+    path = folder / f"link.{kind.split('_')[0]}"
+    facets = (CORNERS[[0, 1, 2]], CORNERS[[0, 1, 3]])
+    if kind == "stl_binary":
+        data = b"solid looks like text".ljust(80) + len(facets).to_bytes(4, "little")
+        for facet in facets:
+            data += np.zeros(3, "<f4").tobytes() + facet.astype("<f4").tobytes() + b"\0\0"
+        path.write_bytes(data)
+    elif kind == "stl_text":
+        body = "".join(
+            "facet normal 0 0 0\nouter loop\n"
+            + "".join(f"vertex {x} {y} {z}\n" for x, y, z in facet)
+            + "endloop\nendfacet\n"
+            for facet in facets
+        )
+        path.write_text(f"solid s\n{body}endsolid s\n")
+    else:
+        path.write_text("".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS) + "f 1 2 3\nf 1 2 4\n")
+    return path
+
+
+@pytest.mark.parametrize("kind", ["stl_binary", "stl_text", "obj"])
+def test_meshes_are_read_and_fitted(kind, tmp_path):
+    path = written(kind, tmp_path)
+    found = corners(path)
+    assert sorted(map(tuple, found.round(6).tolist())) == sorted(map(tuple, CORNERS.tolist()))
+    (tmp_path / "arm.urdf").write_text(
+        '<robot name="arm"><link name="base"/><link name="bar"><inertial><mass value="1"/><origin xyz="0.2 0 0"/>'
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+        f'<collision><origin xyz="0.1 0 0"/><geometry><mesh filename="{path.name}" scale="0.5 0.5 0.5"/></geometry>'
+        '</collision></link><joint name="pin" type="continuous"><parent link="base"/><child link="bar"/>'
+        '<axis xyz="0 1 0"/></joint></robot>'
+    )
+    mechanism = eq.Mechanism.load(tmp_path / "arm.urdf")
+    (capsule,) = (one for one in shell(mechanism).capsules if one.fitted)
+    assert capsule.body == "bar"
+    places = 0.5 * CORNERS + [0.1, 0, 0]
+    assert closest(places, places, np.array(capsule.start), np.array(capsule.end)).max() <= capsule.radius * (1 + 1e-6)
+    assert "fitted to collision shapes: bar" in shell(mechanism).words
+
+
+@pytest.mark.parametrize("data", [b"", b"solid nothing", b"\xff" * 300, b"v 1 2\n"])
+def test_a_file_that_is_no_mesh_is_refused(data, tmp_path):
+    for name in ("a.stl", "a.obj"):
+        (tmp_path / name).write_bytes(data)
+        with pytest.raises(eq.ModelError, match="mesh"):
+            corners(tmp_path / name)
+
+
+def test_drawn_capsules_say_their_radius():
+    found = shell(arm(), 0.035)
+    assert {capsule.radius for capsule in found.capsules} == {0.035}
+    assert "drawn joint to joint with radius 0.035 m" in found.words
+
+
+def test_a_line_through_a_link_has_no_room():
+    """From the base to the forearm past a straight upper arm, and the same line moved aside."""
+    mechanism = arm()
+    states = mechanism.states(eq.Sweep(np.zeros((1, 2)), np.ones(1), "one pose"))
+    through = eq.Line(eq.Point("world", (0.2, 0.0, 0.3)), eq.Point("fore", (-0.2, 0.0, -0.3)))
+    room = dict(rooms(states, through, 0.03))
+    assert room["upper"][0] == pytest.approx(-0.03, abs=1e-6)
+    aside = eq.Line(eq.Point("world", (0.2, 0.1, 0.3)), eq.Point("fore", (-0.2, 0.1, -0.3)))
+    assert dict(rooms(states, aside, 0.03))["upper"][0] == pytest.approx(0.07, abs=1e-6)
+
+
+@pytest.mark.parametrize(("span", "over"), [(170.0, True), (60.0, False)])
+def test_a_line_passes_an_axis_only_where_the_joint_turns_that_far(span, over):
+    mechanism = arm(span)
+    states = mechanism.states(eq.Sweep.sobol(mechanism, 256))
+    found = passed(states, ("world", "upper"), np.array([[0.1, 0, 0]]), np.array([[0.3, 0, 0]]))
+    assert list(found) == ["upper_joint"]
+    assert bool(found["upper_joint"][0]) is over
+
+
+def test_a_discovery_that_avoids_bodies_keeps_clear():
+    mechanism = arm()
+    request = eq.Discover(1, avoid="bodies", radius=0.02, candidates=600, contenders=1)
+    front = eq.discover(mechanism, eq.Sweep.sobol(mechanism, 64), request)
+    assert front.refused["a body in the way"] >= 0
+    design = front.designs[0]
+    assert any(isinstance(limit, eq.Avoid) for limit in design.limits)
+    assert not [clash for clash in clashes(design, 0.02) if clash.depth > 1e-6]
+    assert front.values[0] < 0.5 * front.before
+    assert any("drawn joint to joint with radius 0.02 m" in note for note in front.notes)
