@@ -94,7 +94,11 @@ def main_joint(design: Design) -> str:
         size = before.limit if by_motor and before.limit else 1.0
         return (getattr(before, norm) - getattr(after, norm)) / size
 
-    return max((joint for joint in design.before if joint in counted), key=gain)
+    # where only mass counts, what the limits keep small is what there is to show
+    shown_rows = [row for row in design.before if row in counted] or [
+        row for row in design.before if row not in design.mechanism.driven
+    ]
+    return max(shown_rows or design.before, key=gain)
 
 
 def law_words(part: Mapping[str, Any], balancer: Any) -> str:
@@ -172,6 +176,19 @@ def work_words(part: Mapping[str, Any]) -> str:
     """Length, force and energy of a spring over the sweep."""
     mass = f", own mass {quantity(part['mass'], 'kg', 3)}" if part.get("mass") else ""
     return ", ".join(f"{name} {value}" for name, value in facts(part)) + room_words(part) + mass + pushing(part)
+
+
+def placed_words(part: Mapping[str, Any], design: Design) -> str:
+    """Where the spring was put among equals, the area it sweeps and the workspace that costs; or nothing."""
+    placed = design.places.get(part["name"])
+    if placed is None:
+        return ""
+    turn = f"turned about the joint by {quantity(placed.turn, 'rad', 3)}" if abs(placed.turn) > 1e-9 else "not turned"
+    swap = ", distances of crank and pivot swapped" if placed.swapped else ""
+    return (
+        f"placed {turn}{swap}; sweeps {sig(placed.area, 3)} m^2 with rods and guides, "
+        f"{sig(100 * placed.share, 2)} % of the links' own sweep"
+    )
 
 
 def room_words(part: Mapping[str, Any]) -> str:

@@ -58,9 +58,11 @@ def _close_keys(spec: mujoco.MjSpec, design: Design) -> None:
     Where the parts do not close at a keyframe of the mechanism, its added joints stay at zero.
     """
     mechanism, original = design.mechanism, design.mechanism.model
-    middle = design.sweep.poses[np.abs(design.sweep.poses - design.sweep.poses.mean(axis=0)).sum(axis=1).argmin()]
+    middle = int(np.abs(design.sweep.poses - design.sweep.poses.mean(axis=0)).sum(axis=1).argmin())
     poses = {key.name: original.key_qpos[index] for index, key in enumerate(mechanism.spec.keys)}
-    first = mechanism.states(design.sweep.at_poses(middle[None]))
+    # taken from the sweep's own states: a motion may come there by a way that no straight walk finds
+    first = _standing(mechanism, design.states.kin.q[middle])
+    first = mechanism.states(design.sweep.at(design.sweep.coordinates[[middle]]))
     added = _positions(design, first)
     if not added:
         return
