@@ -14,6 +14,7 @@ from equipoise.make.synthesis import Part
 from equipoise.reporting import cable_sections, machinery, phrases, sections, tables
 from equipoise.reporting.friction import friction_section
 from equipoise.reporting.markup import Raw, element, image, join, section
+from equipoise.reporting.ordering import ordering
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, part_picture, pictures
 from equipoise.reporting.settings import settings_table
@@ -34,6 +35,7 @@ def page(design: Design, model: str) -> str:
             *[_made(part) for part in design.made],
             *([machinery.motors(design.machine)] if design.machine else []),
             tables.parts(design),
+            ordering(design),
             settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),

@@ -112,7 +112,11 @@ def main_joint(design: Design) -> str:
         size = before.limit if by_motor and before.limit else 1.0
         return (getattr(before, norm) - getattr(after, norm)) / size
 
-    return max((joint for joint in design.before if joint in counted), key=gain)
+    # where only mass counts, what the limits keep small is what there is to show
+    shown_rows = [row for row in design.before if row in counted] or [
+        row for row in design.before if row not in design.mechanism.driven
+    ]
+    return max(shown_rows or design.before, key=gain)
 
 
 def law_words(part: Mapping[str, Any], balancer: Any) -> str:
