@@ -10,7 +10,7 @@ import numpy as np
 
 from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
-from equipoise.loops import accelerations, ancestors, close_loops, close_motion, tighten_loops
+from equipoise.loops import accelerations, ancestors, close_beside, close_loops, close_motion, tighten_loops
 from equipoise.loops.posture import integrate
 from equipoise.mechanism import Mechanism, Point
 
@@ -139,7 +139,9 @@ class States:
         driven, weight, payload_mass = sweep.rows()
         points = tuple(payload.point for payload in sweep.payloads)
         moving = None
-        if sweep.instants is None:
+        if sweep.instants is None and sweep.beside is not None:
+            q, transmission = close_beside(mechanism, sweep.beside, driven)
+        elif sweep.instants is None:
             q, transmission = close_loops(mechanism, driven)
         else:
             time = np.tile(sweep.instants.time, len(sweep.scenarios))

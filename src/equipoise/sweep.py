@@ -17,7 +17,7 @@ from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism, Point
 from equipoise.motion.drivers import Driver
-from equipoise.motion.motion import of_drivers, read_motion
+from equipoise.motion.motion import Motion, of_drivers, read_motion
 from equipoise.motion.moves import Free, Moves, Timed, take
 from equipoise.posefile import held, read_columns
 from equipoise.ranges import (
@@ -75,7 +75,8 @@ class Sweep:
     label says in words what was swept; sampled poses may be refined between the samples; finer makes the same
     region with a finer quadrature, whose difference is the error of this one; outline is the polygon
     (joint numbers, corners (V, 2)) that two joints stay in; moves gives the states velocities and accelerations
-    (then poses are its rows), None leaves them at rest.
+    (then poses are its rows), None leaves them at rest; beside is the motion from whose way the poses are reached,
+    None where they are reached from the reference.
     """
 
     poses: Array
@@ -88,6 +89,7 @@ class Sweep:
     moves: Moves | None = None
     finer: Callable[[], Sweep] | None = None
     outline: tuple[tuple[int, int], Array] | None = None
+    beside: Motion | None = None
 
     def __post_init__(self) -> None:
         if self.scenarios is None:
@@ -409,7 +411,9 @@ class Sweep:
 
     def at_poses(self, poses: Array) -> Sweep:
         """The same payload scenarios at rest at other poses, equal weights."""
-        return replace(self, poses=poses, weight=np.ones(len(poses)), box=None, finer=None, outline=None, moves=None)
+        beside = self.beside if self.instants is None else self.instants.motion
+        there = replace(self, poses=poses, weight=np.ones(len(poses)), moves=None, beside=beside)
+        return replace(there, box=None, finer=None, outline=None)
 
     def rows(self) -> tuple[Array, Array, Array]:
         """Driven positions (S N, nd), weights (S N,) and payload masses (S N, K), scenario by scenario."""
