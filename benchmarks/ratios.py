@@ -350,6 +350,39 @@ def cycle(samples: int = 10_000, looped: int = 250) -> None:
     line("analyze a 3-RRR cycle, 10 000 samples", "MuJoCo instant by instant (scaled)", loop, fresh)
 
 
+def survey() -> None:
+    """1,300 made-up springs on one joint with four coordinates free, against SLSQP row by row on every 20th of them."""
+    from pathlib import Path
+
+    from survey_by_scipy import BOUNDS, Arm, one_by_one
+
+    stock = eq.read_catalogue(Path(__file__).parents[1] / "examples" / "stock_springs.csv")
+    plain = Arm()
+    arm = eq.chain([eq.Link("arm", length=plain.length, mass=plain.mass)])
+    over = eq.Sweep.grid(arm, {"arm_joint": (plain.low, plain.high, plain.poses)})
+    spring = eq.Spring("s1", eq.Line(arm.at("world", 0, 0, 0.3), arm.at("arm", 0.2)), eq.ZeroFreeLength())
+    names = [f"s1.path.line.{end}.{axis}" for end in (0, 1) for axis in "xz"]
+    start = time.perf_counter()
+    found = eq.survey_catalogue(arm, [spring], over, dict(zip(names, BOUNDS, strict=True)), stock)
+    ours = time.perf_counter() - start
+    every = 20
+    some = np.arange(0, len(stock), every)
+    columns = (stock.rate, stock.free_length, stock.initial_tension, stock.free_length + stock.travel, stock.mass)
+    start = time.perf_counter()
+    theirs = one_by_one(plain, np.stack(columns, axis=1)[some], starts=6, seed=0)
+    loop = (time.perf_counter() - start) * every
+    by_part = {line.part: line.rms if not line.refused else np.inf for line in found.lines}
+    mine = np.array([by_part[stock.part[row]] for row in some])
+    both = np.isfinite(mine) & np.isfinite(theirs)
+    ratio = mine[both] / theirs[both]
+    note = (
+        f"rms / theirs: median {np.median(ratio):.5f}, nine in ten below {np.quantile(ratio, 0.9):.4f}, worst "
+        f"{ratio.max():.3f}, best {ratio.min():.3f}; {(ratio <= 1.001).sum()} of {len(ratio)} equal or better; kept "
+        f"{(np.isfinite(mine) & ~both).sum()} that it refused, refused {(np.isfinite(theirs) & ~both).sum()} it kept"
+    )
+    line(f"survey, {len(stock)} springs, 4 coordinates", "SLSQP, 6 starts, every 20th (scaled)", loop, ours, note)
+
+
 if __name__ == "__main__":
     print(f"{'what':<44}{'baseline':<34}{'baseline':>12}{'equipoise':>12}{'ratio':>11}")
     kinematics()
@@ -358,3 +391,4 @@ if __name__ == "__main__":
     cables()
     shaking()
     cycle()
+    survey()

@@ -14,8 +14,10 @@ from equipoise.cli import main
 from equipoise.errors import InfeasibleError, InputError
 from equipoise.parameters import write
 from equipoise.parts.ranking import Ledger, Line
+from equipoise.picking import picked
 from equipoise.problem import load_problem
 from equipoise.solve.small import boxed, quadratic
+from equipoise.solving import shaped
 from equipoise.thinning import thin
 
 STOCK = Path(__file__).parents[1] / "examples" / "stock_springs.csv"
@@ -240,6 +242,8 @@ def test_design_picks_where_the_file_asks(problem, tmp_path, capsys):
     assert (tmp_path / "out" / "candidates_s1.csv").exists()
     page = (tmp_path / "out" / "report.html").read_text()
     assert found["parts"][0]["order"] in page
+    assert "What to order" in page
+    assert "s1 breaks" in page
     assert main(["verify", str(tmp_path / "out" / "design.json")]) == 0
 
 
@@ -285,3 +289,24 @@ def test_a_line_reads_back_exactly(tmp_path):
     ledger = Ledger(tmp_path / "rows.csv", "s", ("x", "y"), ("m", ""))
     ledger.append([line])
     assert ledger.load() == [line]
+
+
+def test_so101_stock_spring(tmp_path):
+    """The example on fewer poses and fewer rows: a part of the catalogue within 10 % of the floor, verified."""
+    examples = STOCK.parent
+    text = (examples / "so101_stock_spring.yaml").read_text().replace("sobol: 256", "sobol: 32")
+    file = tmp_path / "so101_stock_spring.yaml"
+    file.write_text(text.replace("width: 16 mm", "width: 16 mm\n  part: SY-0[13578]?2").replace("keep: 2", "keep: 1"))
+    (tmp_path / "stock_springs.csv").write_text(STOCK.read_text())
+    problem = load_problem(file)
+    problem.check()
+    ideal_one = shaped(problem, None, 2)[0]
+    found, real = picked(problem, ideal_one, problem.content.pick, 0)
+    elbow = found.design.before["elbow_flex"].peak
+    assert elbow <= found.design.after["shoulder_lift"].peak <= 1.1 * elbow
+    assert found.choices[0].removed["width <= 16 mm"] > 5
+    part = found.design.parts()[0]
+    assert part["part_number"] in {row.split(",")[0] for row in STOCK.read_text().splitlines()}
+    assert 0 < part["clauses"]["travel"]["used"] <= 1 + 1e-6
+    assert isinstance(real.balancers[0].law, eq.StockSpring)
+    assert eq.verify(found.design, poses=100).verification.agrees

@@ -12,6 +12,7 @@ from equipoise.errors import InputError
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 Geometry = NDArray[np.float64] | NDArray[np.complex128]  # complex where a derivative is taken by complex step
 
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from equipoise import platform
 from equipoise.affine import Affine, Array, Unknown, merge_unknowns
-from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.spring import Spring
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
@@ -27,7 +27,7 @@ BIG = 20_000_000
 NOISE = 1e-14
 """Share of the largest eigenvalue of a scaled Gram matrix below which a direction is rounding."""
 
-Balancers = Sequence[Spring | Counterweight]
+Balancers = Sequence[Any]
 
 
 @dataclass(frozen=True, eq=False)

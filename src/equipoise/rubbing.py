@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Mask
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.friction import Friction
 from equipoise.states import States
+from equipoise.sweep import Sweep
 
 POSES = 500
 STEP = 1e-4
@@ -115,7 +116,7 @@ def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:
     )
 
 
-def _falling(design: Design, few: Any, states: States) -> Array:
+def _falling(design: Design, few: Sweep, states: States) -> Mask:
     """Whether each joint's residual (N, nd) falls as it gives way: the joint's own stiffness is positive."""
     found = np.zeros_like(states.driven, dtype=bool)
     for joint in range(states.driven.shape[1]):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -184,7 +184,8 @@ def _parts(spring: Spring) -> tuple[SliderCrank, float, float]:
 
 def _joint(mechanism: Mechanism, dyad: SliderCrank, name: str) -> str:
     """The one driven joint that turns the dyad."""
-    joints = list(dyad.input.terms(mechanism.model)[0])
+    turn: Any = dyad.input
+    joints = list(turn.terms(mechanism.model)[0])
     if len(joints) != 1 or joints[0] not in mechanism.driven:
         raise InputError(
             f"the dyad of spring {name} follows {', '.join(joints)}: prescribed positions are of one driven joint",

@@ -40,14 +40,14 @@ def clearance(states: States) -> Clearance:
     pairs = {}
     for one, other in itertools.combinations(ends, 2):
         if ends[one][1] != ends[other][1] and ends[one][0] != ends[other][0]:
-            pairs[one, other] = segments(*lines[one], *lines[other])
+            pairs[one, other] = segments(lines[one][0], lines[one][1], lines[other][0], lines[other][1])
     hull = list(dict.fromkeys(pair[1] for pair in ends.values()))
     to_platform = {}
     for cable, pair in ends.items():
         edges = [edge for edge in itertools.combinations(hull, 2) if pair[1] not in edge]
         if edges:
             places = [(states.point(a)[0], states.point(b)[0]) for a, b in edges]
-            to_platform[cable] = np.min([segments(*lines[cable], a, b) for a, b in places], axis=0)
+            to_platform[cable] = np.min([segments(lines[cable][0], lines[cable][1], a, b) for a, b in places], axis=0)
     return Clearance(pairs, to_platform)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import clarabel
 import numpy as np
@@ -127,6 +127,6 @@ def _least(W: Array, w: Array, springs: Array, low: Array, high: Array, least: s
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-12
-    cones = [clarabel.ZeroConeT(len(W)), clarabel.NonnegativeConeT(A.shape[0] - len(W))]
-    found = clarabel.DefaultSolver(P, q, A, b, cones, settings).solve()
+    cones = [clarabel.ZeroConeT(len(W)), clarabel.NonnegativeConeT(len(b) - len(W))]
+    found: Any = clarabel.DefaultSolver(P, q, A, b, cones, settings).solve()
     return None if "Solved" not in str(found.status) else np.array(found.x[:count]) * scale

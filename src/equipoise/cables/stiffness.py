@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Mask
 from equipoise.balancers.paths import Line
 from equipoise.cables.distribution import Distribution
 from equipoise.design import Design
@@ -45,7 +45,7 @@ def held_stiffness(states: States, motors: Distribution, design: Design | None =
     return richardson(effort, states.driven)
 
 
-def principal(mechanism: Mechanism, K: Array, free: Array | None = None) -> Array:
+def principal(mechanism: Mechanism, K: Array, free: Mask | None = None) -> Array:
     """Eigenvalues (N, nd) of stiffness matrices, least first, N/m, of the coordinates that are free (nd,), or of all.
 
     An angle counts as the arc at the platform's length.
@@ -53,7 +53,8 @@ def principal(mechanism: Mechanism, K: Array, free: Array | None = None) -> Arra
     length = 1.0 if mechanism.platform is None else mechanism.platform.length
     per = np.where(np.array(mechanism.driven_units) == "N", 1.0, 1.0 / length)
     scaled = K * per[:, None] * per
-    return np.linalg.eigvalsh(scaled if free is None else scaled[:, free][:, :, free])
+    values = np.linalg.eigvalsh(scaled if free is None else scaled[:, free][:, :, free])
+    return np.asarray(values, dtype=float)
 
 
 def richardson(effort: Callable[[Array], Array], poses: Array) -> Array:

@@ -138,7 +138,8 @@ def _pin(spring: Spring, states: States, force: Array) -> Array:
     path = spring.path
     if isinstance(path, SliderCrank):
         u = path.crank_angle(states)[0]
-        return force * path.rod / np.sqrt(path.rod**2 - (path.crank * np.sin(u) - path.offset) ** 2)
+        crank, rod = float(path.crank or 0.0), float(path.rod or 0.0)
+        return force * rod / np.sqrt(rod**2 - (crank * np.sin(u) - path.offset) ** 2)
     if isinstance(path, Cam):
         lift, slope = path.profile(path.crank_angle(states)[0])
         return force * np.sqrt(1.0 + (slope / np.maximum(np.abs(lift), 1e-9)) ** 2)

@@ -40,7 +40,7 @@ class Tension(OverInterval):
     spring: str
     over: tuple[units.Length, units.Length]
     max: units.Force | None = None
-    min: units.Force | Sag | None = None
+    min: units.Force | Sag | Any = None
     samples: int | None = None
 
     def __post_init__(self) -> None:

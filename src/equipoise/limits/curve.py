@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, cast, runtime_checkable
+from typing import Any, ClassVar, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -66,7 +66,7 @@ class OverInterval:
     """A limit that holds for every length of an interval: what is outside is found and added."""
 
     spring: str
-    over: tuple[float, float] | None
+    over: Any
     samples: int | None
 
     def rows_at(self, spring: Spring, lengths: Array) -> tuple[Rows, ...]:

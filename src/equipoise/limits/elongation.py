@@ -76,7 +76,8 @@ def _rows(setting: Setting, spring: Spring, words: str, sign: float, factor: flo
     law: Any = spring.law
     length: Array = spring.path.deform(setting.states)[0] - getattr(law, "leader", 0.0) - room
     state = np.arange(length.shape[-1])
-    free = law.rest - law.leader if isinstance(law, StraightPart) else law.free_length
+    straight = isinstance(spring.law, StraightPart)
+    free = law.rest - law.leader if straight else law.free_length
     if free is not None:
         none = np.zeros((*length.shape, 0), dtype=np.result_type(length, free))
         return Rows(words, "m", none, sign * (factor * free - length), (), state, scale=0.1)

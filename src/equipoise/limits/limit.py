@@ -24,7 +24,7 @@ class Setting:
     (`moment`) momentum over random admissible states.
     """
 
-    balancers: Mapping[str, Spring | Counterweight]
+    balancers: Mapping[str, object]
     states: States
     hold_at: Callable[[Array], Affine]
     momentum: Callable[[str], Affine] | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Force(curve.OverInterval):
         """B theta <= max - f0 and -B theta <= f0 - min, one row per state."""
         spring = setting.find(self.spring, Spring, "force")
         if self.over is not None:
-            return curve.rows(self, spring)
+            return curve.rows(cast("curve.Curve", self), spring)
         if self.samples is not None:
             raise InputError("samples are asked for over no interval", where="limit force", hint="add `over`")
         length, _ = spring.deform(setting.states)
@@ -151,7 +151,7 @@ class MassCap:
         return sides(f"mass of {self.counterweight}", "kg", basis, known, tuple(mass), None, self.max)
 
 
-def implied(balancers: Iterable[Spring | Counterweight], setting: Setting) -> tuple[Rows, ...]:
+def implied(balancers: Iterable[object], setting: Setting) -> tuple[Rows, ...]:
     """Rows that balancers ask for by themselves: spans of laws, needs of paths, reach of counterweights."""
     rows: list[Rows] = []
     for balancer in balancers:

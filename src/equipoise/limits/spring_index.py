@@ -58,7 +58,7 @@ class SpringIndex:
                 hint="limit a coil, a zero-free-length spring or an extension or compression spring",
             )
         per = self._rate_at_one(spring)
-        rate: Any = law.k
+        rate: Any = getattr(law, "k")  # noqa: B009 - laws without one were refused above
         unknown = next((u for u in spring.unknowns if u.name == f"{spring.owner}.k"), None)
         # The larger the index, the softer the coil: an upper bound on the index is a lower one on the rate.
         return tuple(self._row(value, -side, rate, per / value**4, unknown, "N/m") for value, side in bounds)

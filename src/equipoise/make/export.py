@@ -20,10 +20,10 @@ def write_dxf(path: Path, profile: WoundProfile, drum: float | None = None) -> P
 
     Layers: profile, centre, drum; drawn at angle 0. Raises InputError where the file cannot be written.
     """
-    import ezdxf
     from ezdxf import units
+    from ezdxf.filemanagement import new
 
-    drawing = ezdxf.new("R2010", setup=False)
+    drawing = new("R2010", setup=False)
     drawing.units = units.MM
     for layer, colour in (("profile", 7), ("centre", 1), ("drum", 5)):
         drawing.layers.add(layer, color=colour)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Mask
 from equipoise.errors import InputError
 
 
@@ -99,7 +99,7 @@ def wind(winding: Winding, guide: float | None = None) -> WoundProfile:
     return WoundProfile(winding, points, radius, free, guide, _crossing(points, theta, guide))
 
 
-def _insist(good: Array, value: Array, what: str, winding: Winding) -> None:
+def _insist(good: Mask, value: Array, what: str, winding: Winding) -> None:
     if not good.all():
         worst = int(value.argmin())
         raise InputError(
@@ -126,7 +126,7 @@ def _crossing(points: Array, theta: Array, guide: float | None, poses: int = 120
     return hits / poses
 
 
-def _meets(p: Array, q: Array, a: Array, b: Array) -> Array:
+def _meets(p: Array, q: Array, a: Array, b: Array) -> Mask:
     def side(o: Array, d: Array, x: Array) -> Array:
         return d[..., 0] * (x[..., 1] - o[..., 1]) - d[..., 1] * (x[..., 0] - o[..., 0])
 

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.motion.motion import Motion
 
 
@@ -80,6 +79,6 @@ class Free:
         return replace(self, coordinates=coordinates)
 
 
-def take(moves: Moves, rows: NDArray[np.int_]) -> Moves:
+def take(moves: Moves, rows: Indices) -> Moves:
     """Some of the states."""
     return moves.at(moves.coordinates[rows])

@@ -46,6 +46,7 @@ def solved(k: int, exact: bool = False, norm: str = "rms", t_min: float = 1.0, d
     """The paper's program: k coefficients, t >= t_min at 10 k lengths of [0, a], or (exact) at all of them."""
     robot = cable_platform(CORNERS)
     law = Polynomial((0.0, SIDE), degree=k - 1)
+    assert robot.platform is not None
     springs = [
         Spring(f"s{i + 1}", Reel(cable), law, like="s1" if i else None) for i, cable in enumerate(robot.platform.cables)
     ]
@@ -65,12 +66,14 @@ def objective(design: Design) -> float:
 def tension(design: Design, c: Array) -> Array:
     """t(c), N."""
     spring = design.balancers[0]
+    assert isinstance(spring, Spring)
     return spring.law.force_basis(c)[0] @ np.array([design.values[u.name] for u in spring.unknowns])
 
 
 def least(design: Design) -> float:
     """Least tension over [0, a], N, from the roots of t'."""
     spring = design.balancers[0]
+    assert isinstance(spring, Spring)
     theta = np.array([design.values[u.name] for u in spring.unknowns])
     return float(Pieces.of(spring.law, (0.0, SIDE)).extremes(theta)[1].min())
 

@@ -100,7 +100,13 @@ class Part(Law):
     def record(self, length: Array) -> dict[str, Any]:
         """Order line, utilisation over lengths (N,) and what is unsourced, as design.json holds them."""
         used = {clause.name: vars(clause) | {"used": clause.used} for clause in self.clauses(length)}
-        return {"order": self.order_line(), "clauses": used, "unsourced": list(self.unsourced)}
+        return {
+            "order": self.order_line(),
+            "part_number": getattr(self, "part", "") or None,
+            "number": float(np.real(getattr(self, "number", 1.0))),
+            "clauses": used,
+            "unsourced": list(self.unsourced),
+        }
 
 
 @dataclass(frozen=True)

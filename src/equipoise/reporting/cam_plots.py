@@ -49,10 +49,10 @@ def _profile(ax: Axes, part: Part) -> None:
         if profile.guide is not None:
             eye = MM * profile.guide * away
             reach = eye - points[row]
-            ends = points[row] + np.outer([0.0, min(1.0, 0.6 * size / np.linalg.norm(reach))], reach)
+            ends = points[row] + np.outer(np.array([0.0, min(1.0, 0.6 * size / float(np.linalg.norm(reach)))]), reach)
         else:
             across = np.array([away[1], -away[0]]) * profile.winding.off
-            ends = points[row] + np.outer([0.0, 0.6 * size], across)
+            ends = points[row] + np.outer(np.array([0.0, 0.6 * size]), across)
         ax.plot(*ends.T, color=style.BEFORE, lw=1.1, label="free cord" if share == 0.0 else None)
         ax.plot(*points[row], "o", ms=4.5, mfc="white", mec=style.BEFORE, mew=1.3, zorder=6)
         ax.annotate(

@@ -14,6 +14,7 @@ from equipoise.make.synthesis import Part
 from equipoise.reporting import cable_sections, machinery, phrases, sections, tables
 from equipoise.reporting.friction import friction_section
 from equipoise.reporting.markup import Raw, element, image, join, section
+from equipoise.reporting.ordering import ordering
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, part_picture, pictures
 from equipoise.reporting.settings import settings_table
@@ -34,18 +35,17 @@ def page(design: Design, model: str) -> str:
             *[_made(part) for part in design.made],
             *([machinery.motors(design.machine)] if design.machine else []),
             tables.parts(design),
+            ordering(design),
             settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),
             tolerance_section(design),
             friction_section(design),
             sections.basis(design),
-            sections.honest_limits(),
+            sections.honest_limits(design),
             sections.files(design, model),
             sections.literature(design),
-            element(
-                "footer", f"Made by equipoise {__version__}. Torques are what the motors must supply to hold still."
-            ),
+            element("footer", f"Made by equipoise {__version__}. {_meaning(design)}"),
         ],
         "\n",
     )
@@ -62,6 +62,11 @@ def page(design: Design, model: str) -> str:
     )
     whole = element("html", element("head", head), element("body", element("main", body)), lang="en")
     return f"<!doctype html>\n{whole}\n"
+
+
+def _meaning(design: Design) -> str:
+    still = phrases.supplied(design) == "holding"
+    return f"Torques are what the motors must supply {'to hold still' if still else 'over the motion'}."
 
 
 def _header(design: Design) -> Raw:

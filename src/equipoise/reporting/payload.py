@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 from equipoise.balancers.paths import Absolute, InvertedSliderCrank, ScotchYoke
 from equipoise.balancers.payload import Adjustment, payload_rule
@@ -52,7 +53,8 @@ def _cranks(design: Design) -> Iterator[tuple[Spring, str]]:
     for spring in design.balancers:
         if not isinstance(spring, Spring) or not isinstance(spring.path, Crank):
             continue
-        given = dict(spring.path.input.terms(model)[0])
+        turn: Any = spring.path.input
+        given = dict(turn.terms(model)[0])
         for joint in design.mechanism.driven_ids:
             body = model.body(model.jnt_bodyid[joint]).name
             try:

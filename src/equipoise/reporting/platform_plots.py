@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Mask
 from equipoise.balancers.spring import Spring
 from equipoise.cables.behaviour import Motors
 from equipoise.cables.distribution import reel_of
@@ -63,7 +63,7 @@ def resultant_map(sample: Sample) -> Figure | None:
 
 
 def _map(
-    ax: Axes, sample: Sample, pair: tuple[int, int], ticks: tuple[Array, Array], size: Array, inside: Array
+    ax: Axes, sample: Sample, pair: tuple[int, int], ticks: tuple[Array, Array], size: Array, inside: Mask
 ) -> None:
     from matplotlib.patches import Polygon
 
@@ -148,7 +148,7 @@ def tension_curves(sample: Sample) -> Figure | None:
         for limit in design.limits
         if isinstance(limit, Force | Tension) and reel_of(_named(sample, limit.spring)) is not None
         for bound in (limit.min, limit.max)
-        if bound is not None
+        if isinstance(bound, int | float)
     }
     reach = ax.get_ylim()[1]
     for bound in sorted(bound for bound in bounds if bound <= 1.3 * reach):
@@ -204,7 +204,7 @@ def _slides(sample: Sample) -> tuple[int, int] | None:
     return (moved[0], moved[-1]) if len(moved) > 1 else None
 
 
-def _grid(sample: Sample, pair: tuple[int, int]) -> tuple[Array, Array, Array, Array]:
+def _grid(sample: Sample, pair: tuple[int, int]) -> tuple[Array, Array, Mask, Array]:
     """Ticks of two slides, which points of their grid lie in the sweep's region (M,), and the poses (M, nd)."""
     design = sample.design
     assert design.cables is not None

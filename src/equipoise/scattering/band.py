@@ -201,7 +201,7 @@ class _Specimen:
         """The same norms from fewer rows: a triangle for rms, the rows that can be the largest for the peak."""
         if self.norm == "rms":
             both = np.concatenate([self.pull, self.nominal[None]]) * np.sqrt(self.weight)[:, None]
-            triangle = np.linalg.qr(both.reshape(len(both), -1).T, mode="r")
+            triangle: Array = np.linalg.qr(both.reshape(len(both), -1).T, mode="r")  # type: ignore[assignment]
             last, pull = triangle[:, -1:], triangle.T[:-1, :, None]
             return replace(self, nominal=last, pull=pull, weight=np.ones(len(last)), sizes=(1,))
         if self.norm == "peak":

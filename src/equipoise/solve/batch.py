@@ -22,7 +22,7 @@ STILL = 1e-9
 SMALL = 1e-8
 NUDGE = 1e-7
 """Step of the differences, in shares of the bounds."""
-NEAR = 14
+NEAR = 10
 """How many limits a step looks at."""
 OPEN = 100.0
 """Range of a variable without bounds, in units that move the residual by what nothing balances."""

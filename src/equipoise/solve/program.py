@@ -83,14 +83,23 @@ class Rows:
 
     def expand(self, unknowns: tuple[Unknown, ...]) -> Rows:
         """The same rows over the program's list of unknowns."""
+        if not self.unknowns:
+            # One zero that stands for all: there may be a row for each of a million states.
+            nothing = np.broadcast_to(np.zeros((), dtype=self.G.dtype), (*self.h.shape, len(unknowns)))
+            return replace(self, G=nothing, unknowns=unknowns)
         place = {unknown.name: index for index, unknown in enumerate(unknowns)}
         wide = np.zeros((*self.h.shape, len(unknowns)), dtype=self.G.dtype)
         wide[..., [place[unknown.name] for unknown in self.unknowns]] = self.G
         return replace(self, G=wide, unknowns=unknowns)
 
+    @property
+    def fixed(self) -> bool:
+        """Whether no unknown moves any row, as `expand` says it."""
+        return not any(self.G.strides)
+
     def excess(self, theta: Array) -> Array:
         """How far each row is beyond its limit (M,), in the limit's unit; negative is slack."""
-        gap = self.G @ theta - self.h
+        gap = -self.h if self.fixed else self.G @ theta - self.h
         return np.abs(gap) if self.equality else gap
 
 
@@ -141,7 +150,7 @@ class Program:
             if load > NEGLIGIBLE * self._called_up(slope):
                 size = np.maximum(size, slope / load)
         for rows in self.rows:
-            if rows.h.size:
+            if rows.h.size and not rows.fixed:
                 size = np.where(size > 0, size, np.abs(rows.G).max(axis=0) / rows.scale)
         for definite in self.definite:
             # one kg of matrix: an inertia that no residual feels must not be counted in rounding errors
@@ -159,7 +168,7 @@ class Program:
         found = 0.0
         for rows in self.rows:
             wanting = rows.h < 0
-            if wanting.any() and rows.G.shape[-1]:
+            if wanting.any() and rows.G.shape[-1] and not rows.fixed:
                 reach = np.abs(rows.G[wanting])
                 with np.errstate(divide="ignore", invalid="ignore"):
                     price = np.where(reach > 0, -rows.h[wanting][:, None] * slope / reach, np.inf).min(axis=1)

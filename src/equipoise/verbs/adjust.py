@@ -373,7 +373,7 @@ def _certificate(family: _Family, optima: Optima, parts: Sequence[Balanced]) -> 
 
 def _adjuster(family: _Family, designs: Sequence[Design], name: str) -> Adjuster:
     """Values of one adjuster, and the work that turning it takes with everything else held."""
-    values = tuple((d.geometry | d.values)[name] for d in designs)
+    values = tuple({**d.geometry, **d.values}[name] for d in designs)
     if name in family.unknowns:
         return Adjuster(name, designs[0].units[name], values)
     work = tuple(_work(designs[0], design, name) for design in designs)

@@ -231,7 +231,11 @@ def _along(lean: Program, theta: Array, directions: Array) -> Array:
     moves = tuple(Unknown(f"move {i}", "") for i in range(len(directions)))
     saving = lean.terms[0]
     term = replace(saving, b=saving.residual(theta), A=saving.A @ directions.T)
-    rows = [replace(r, G=r.G @ directions.T, h=r.h - r.G @ theta, unknowns=moves) for r in lean.rows if not r.equality]
+    rows = [
+        replace(r, G=r.G @ directions.T, h=r.h - r.G @ theta, unknowns=moves)
+        for r in lean.rows
+        if not (r.equality or r.fixed)
+    ]
     for unknown, bound, sign in [(u, u.lower, -1.0) for u in lean.unknowns] + [
         (u, u.upper, 1.0) for u in lean.unknowns
     ]:

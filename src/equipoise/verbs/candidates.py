@@ -30,13 +30,15 @@ GEOMETRIES = 8192
 BEGINNINGS = 4
 RANKED, APART = 256, 0.2
 """Best geometries that are looked at for beginnings, and how far apart those lie, in shares of the bounds."""
-PER_COORDINATE = 16
-MOST = 400
+ALONG, ACROSS = 12, 96
+"""States that stand for all, of one joint and of several."""
+SOUNDED = 130_000
+"""Geometries times states that are sifted, at most GEOMETRIES of them."""
 PRICE = 30.0
 KEPT = 1e-6
 """Relative excess of a limit over all states up to which it is kept."""
 PASSES = 3
-GLANCES = ((3, 4), (2, 8), (1, 10))
+GLANCES = ((2, 4), (1, 8))
 """(how many, steps): after so many steps each, so many of a part's beginnings go on."""
 
 SCORED = 325
@@ -75,7 +77,7 @@ class Work:
     @cached_property
     def chosen(self) -> Few:
         """Which states stand for all."""
-        return thin(self.states, min(MOST, PER_COORDINATE ** min(self.states.driven.shape[1], 2)))
+        return thin(self.states, ALONG if self.states.driven.shape[1] == 1 else ACROSS)
 
     @cached_property
     def few(self) -> States:
@@ -89,7 +91,8 @@ class Work:
             return np.zeros((1, 0))
         low = np.array([freedom.lower for freedom in self.freedoms])
         high = np.array([freedom.upper for freedom in self.freedoms])
-        return low + evenly(GEOMETRIES, len(low), self.seed) * (high - low)
+        count = min(GEOMETRIES, max(512, SOUNDED // len(self.few)))
+        return low + evenly(count, len(low), self.seed) * (high - low)
 
     @cached_property
     def sifted(self) -> Sifted:

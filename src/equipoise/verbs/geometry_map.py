@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError, nearest
 from equipoise.parameters import candidates
@@ -136,7 +136,7 @@ def _line(whole: Program, count: int) -> Array:
     return values
 
 
-def _most_telling(design: Design) -> Array:
+def _most_telling(design: Design) -> Indices:
     """Numbers of poses for a quick look: an even choice, and those with the largest effort before and after."""
     sweep, states = design.sweep, design.states
     even = np.linspace(0, len(sweep.poses) - 1, POSES // 2).astype(int)

@@ -22,7 +22,7 @@ from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import shape
 from equipoise.verbs.survey import fittings, survey_catalogue
 
-MOST = 400
+MOST = 200
 """Candidates that are optimised for one spring; the closed form ranks what is left out."""
 
 Progress = Callable[[str, int, int, float], None]

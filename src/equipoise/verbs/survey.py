@@ -24,7 +24,7 @@ from equipoise.verbs.balance import task_of
 from equipoise.verbs.candidates import Work
 from equipoise.verbs.shape import freedom_of, load_of
 
-CHUNK = 216
+CHUNK = 325
 WORKERS = 2
 
 Rows = NDArray[np.intp]

@@ -10,7 +10,7 @@ import numpy as np
 import equipoise as eq
 from equipoise.affine import Array
 from equipoise.papers.arakelian_smith_2008 import model
-from equipoise.papers.arakelian_smith_2008.model import COUNTER_ROTATED, EXACT, LEGS, SLENDER, L
+from equipoise.papers.arakelian_smith_2008.model import COUNTER_ROTATED, EXACT, LEGS, SLENDER, L, thrice
 from equipoise.papers.paper import Drawing
 from equipoise.reporting import style
 
@@ -35,10 +35,10 @@ def _axes(up: str, height: float = 3.8) -> tuple[Figure, Axes]:
 def bearings() -> tuple[tuple[str, ...], Array]:
     """Names and forces (N, 3, 3) of the base bearings with counterweights and gears."""
     mechanism = eq.rrr3(
-        model.PIVOTS, model.PINS, (L,) * 3, (L,) * 3, pose=model.START, gravity=(0, 0, 0),
-        crank_masses=(EXACT.crank[0],) * 3, crank_coms=((EXACT.crank[1], 0.0),) * 3,
-        crank_inertias=(EXACT.crank[2],) * 3,
-        rod_masses=(EXACT.rod[0],) * 3, rod_coms=((EXACT.rod[1], 0.0),) * 3, rod_inertias=(EXACT.rod[2],) * 3,
+        model.PIVOTS, model.PINS, thrice(L), thrice(L), pose=model.START, gravity=(0, 0, 0),
+        crank_masses=thrice(EXACT.crank[0]), crank_coms=thrice((EXACT.crank[1], 0.0)),
+        crank_inertias=thrice(EXACT.crank[2]),
+        rod_masses=thrice(EXACT.rod[0]), rod_coms=thrice((EXACT.rod[1], 0.0)), rod_inertias=thrice(EXACT.rod[2]),
         platform_mass=model.PLATFORM, platform_inertia=EXACT.platform,
     )  # fmt: skip
     states = model.states()

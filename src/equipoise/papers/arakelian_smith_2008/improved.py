@@ -9,7 +9,7 @@ import numpy as np
 
 import equipoise as eq
 from equipoise.papers.arakelian_smith_2008 import model
-from equipoise.papers.arakelian_smith_2008.model import COUNTER_ROTATED, EXACT, LEGS, SLENDER, WHEEL, L
+from equipoise.papers.arakelian_smith_2008.model import COUNTER_ROTATED, EXACT, LEGS, SLENDER, WHEEL, L, thrice
 from equipoise.papers.paper import Improvement
 from equipoise.verbs.balance import settle, task_of
 
@@ -28,8 +28,8 @@ def improved() -> Sequence[Improvement]:
 def _weights() -> Improvement:
     """Force balance for all motions with the least moment that the published mass allows."""
     mechanism = eq.rrr3(
-        model.PIVOTS, model.PINS, (L,) * 3, (L,) * 3, pose=model.START, gravity=(0, 0, 0),
-        crank_masses=(SLENDER.crank[0],) * 3, rod_masses=(SLENDER.rod[0],) * 3,
+        model.PIVOTS, model.PINS, thrice(L), thrice(L), pose=model.START, gravity=(0, 0, 0),
+        crank_masses=thrice(SLENDER.crank[0]), rod_masses=thrice(SLENDER.rod[0]),
         platform_mass=model.PLATFORM, platform_inertia=SLENDER.platform,
     )  # fmt: skip
     weights = [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,6 +13,7 @@ import equipoise as eq
 from equipoise.affine import Array
 from equipoise.momentum import inertial_effort, momentum, pseudo_inertia, wrench
 
+T = TypeVar("T")
 LEGS = (1, 2, 3)
 L = 0.18
 SIDE = 0.1
@@ -72,11 +74,16 @@ WHEEL = replace(EXACT, platform=0.015)
 WHEEL_INERTIA = 0.01
 
 
+def thrice(value: T) -> tuple[T, T, T]:
+    """The same for all three legs."""
+    return value, value, value
+
+
 @functools.cache
 def manipulator() -> eq.Mechanism:
     """The geometry that closes at t = 0: x_P3 = X_O3 = 0.23, side 0.1; it lies flat."""
     return eq.rrr3(
-        PIVOTS, PINS, (L,) * 3, (L,) * 3, pose=START, gravity=(0, 0, 0), platform_mass=PLATFORM, platform_inertia=0.01
+        PIVOTS, PINS, thrice(L), thrice(L), pose=START, gravity=(0, 0, 0), platform_mass=PLATFORM, platform_inertia=0.01
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -77,6 +78,8 @@ def synthesis(positions: tuple[float, ...], energy: float) -> Dyad:
     prescribed = eq.Prescribed(tuple(np.radians(positions).tolist()), energy=energy)
     path = prescribed.apply(link(), Dyad(0.1, 0.5, 0.0).spring(), over()).path
     assert isinstance(path, eq.SliderCrank)
+    assert path.crank is not None
+    assert path.rod is not None
     return Dyad(path.crank, path.rod, -path.phase)
 
 
@@ -112,7 +115,7 @@ def best_energy(
 
     scan = np.linspace(*ENERGIES, 13)
     best, width = min(scan.tolist(), key=cost), scan[1] - scan[0]
-    found = minimize_scalar(cost, bounds=(best - width, best + width), method="bounded", options={"xatol": 1e-8})
+    found: Any = minimize_scalar(cost, bounds=(best - width, best + width), method="bounded", options={"xatol": 1e-8})
     return float(found.x), synthesis(positions, float(found.x))
 
 
