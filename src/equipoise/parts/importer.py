@@ -144,7 +144,8 @@ class _Made:
         for row, made in enumerate(self._grades()):
             d, D = self.numbers["wire"][row], diameter[row]
             if np.isfinite(d * D) and d > 0 and d < D:
-                found[row] = ExtensionSpring(np.array([d]), np.array([D]), 5.0, made.name).largest_force[0]
+                one = ExtensionSpring.of_rows(wire=np.array([d]), diameter=np.array([D]), coils=5.0, grade=made.name)
+                found[row] = one.largest_force[0]
         return found
 
     def _mass(self, diameter: Array) -> tuple[Array, tuple[str, ...]]:
