@@ -11,6 +11,7 @@ from equipoise.cli import main
 from equipoise.errors import DisagreementError
 from equipoise.verbs.verify import insist
 from equipoise.verification.saved import save
+from test_rrr3 import manipulator, motion
 
 T = 0.12
 
@@ -119,3 +120,21 @@ def test_the_command_line_tells_of_the_motion(capsys, tmp_path):
     assert check["agrees"]
     assert check["free_base"]["after"]["shift"]["value"] < check["free_base"]["before"]["shift"]["value"]
     assert "a free base of" in " ".join(told.err.split())
+
+
+def test_a_manipulator_with_twelve_gears_far_from_its_reference():
+    """The straight way to its postures is barred, gears count whole turns: the motion's own way is taken."""
+    mechanism = manipulator(7.2, -0.09, 0.02, rod=(2.6, -0.18 / 2.6, 0.017))
+    rotors = [
+        eq.CounterRotor(f"{kind}_{leg}", f"{body}_{leg}", gear_inertia=gear, like=f"{kind}_1" if leg > 1 else None)
+        for kind, body, gear in (("g4", "rod", 0.00586), ("g5", "crank", 0.00504))
+        for leg in (1, 2, 3)
+    ]
+    design = eq.balance(mechanism, rotors, motion(mechanism, samples=201), objective=eq.Aim("moment"))
+    found = eq.verify(design, poses=50).verification
+    assert found.agrees
+    assert "instants of the motion" in found.where
+    assert max(error.relative for error in found.motion.errors.values()) < 1e-11
+    assert fallen(found.motion)
+    (_, turned), (_, fine) = found.motion.base.before, found.motion.base.after
+    assert fine[1] < 1e-3 * turned

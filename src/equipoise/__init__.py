@@ -109,6 +109,7 @@ _HOME = {
     "Discovery": "discovery.front",
     "Ideal": "discovery.kinds",
     "Coils": "discovery.kinds",
+    "CableSprings": "discovery.kinds",
     "ConstantForce": "discovery.kinds",
     "GasStruts": "discovery.kinds",
     "TorsionSprings": "discovery.kinds",
@@ -205,6 +206,10 @@ _HOME = {
     "Comparison": "verbs.compare",
     "compare": "verbs.compare",
     "certify": "verbs.certify",
+    "place": "verbs.place",
+    "Placing": "placement",
+    "Zone": "placement",
+    "Placed": "verbs.place",
 }
 
 __all__ = [
@@ -222,6 +227,7 @@ __all__ = [
     "BearingForces",
     "Block",
     "Cable",
+    "CableSprings",
     "Cam",
     "CamWithSpring",
     "Case",
@@ -294,6 +300,8 @@ __all__ = [
     "Payload",
     "Pick",
     "Pinion",
+    "Placed",
+    "Placing",
     "Plate",
     "Platform",
     "Point",
@@ -337,6 +345,7 @@ __all__ = [
     "Winding",
     "WireMass",
     "ZeroFreeLength",
+    "Zone",
     "__version__",
     "adjust",
     "analyze",
@@ -382,6 +391,7 @@ __all__ = [
     "parallelogram_robot",
     "payload_rule",
     "pick",
+    "place",
     "platform_measure",
     "point_masses",
     "preferred_sizes",
@@ -484,6 +494,7 @@ if TYPE_CHECKING:
     from equipoise.design import Design
     from equipoise.discovery.front import Discovery
     from equipoise.discovery.kinds import (
+        CableSprings,
         Coils,
         ConstantForce,
         Counterweights,
@@ -564,6 +575,7 @@ if TYPE_CHECKING:
     from equipoise.parts.grid import MakeableGrid
     from equipoise.parts.importer import read_catalogue
     from equipoise.parts.request import Pick
+    from equipoise.placement import Placing, Zone
     from equipoise.problem import Problem, load_problem
     from equipoise.rubbing import DeadBand, dead_band
     from equipoise.sag import Sag, sag_tension
@@ -584,6 +596,7 @@ if TYPE_CHECKING:
     from equipoise.verbs.front import Front, front
     from equipoise.verbs.geometry_map import geometry_map
     from equipoise.verbs.pick import pick
+    from equipoise.verbs.place import Placed, place
     from equipoise.verbs.reactionless import ReactionlessMotion, reactionless_motion
     from equipoise.verbs.report import report
     from equipoise.verbs.reproduce import reproduce

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from equipoise.make.synthesis import Part as MadePart
     from equipoise.rubbing import DeadBand
     from equipoise.scattering import Tolerance
+    from equipoise.verbs.place import Placed
     from equipoise.verification.findings import Verification
 
 
@@ -105,9 +106,9 @@ class Design:
     values {name: SI value} and units {name: unit} of the unknowns; geometry {parameter: value} that shape
     moved within bounds {parameter: (low, high)}; sweep and states are those the program saw, `refined` of
     whose poses were found between the samples; problem is the file it came from, where there was one; settings say
-    what is adjusted from case to case, where a design serves several; cables says how a cable platform behaves with
-    its springs, made are the cams and drums cut for them; tolerance says how it scatters when
-    parts are as they come, dead_band what friction covers.
+    what is adjusted from case to case, where a design serves several; places are where springs were put among equals;
+    cables says how a cable platform behaves with its springs, made are the cams and drums cut for them; tolerance says
+    how it scatters when parts are as they come, dead_band what friction covers.
     """
 
     mechanism: Mechanism
@@ -130,6 +131,7 @@ class Design:
     cables: Behaviour | None = None
     made: tuple[MadePart, ...] = ()
     settings: Settings | None = None
+    places: Mapping[str, Placed] = field(default_factory=dict)
     tolerance: Tolerance | None = None
     dead_band: DeadBand | None = None
 
@@ -268,6 +270,7 @@ class Design:
             "parts": self.parts(),
             "cables": None if self.cables is None else self.cables.json(),
             "made": [part.facts() for part in self.made],
+            "places": {name: placed.json() for name, placed in self.places.items()},
             "settings": self.settings.json() if self.settings else None,
             "tolerance": self.tolerance.json() if self.tolerance else None,
             "dead_band": self.dead_band.json() if self.dead_band else None,

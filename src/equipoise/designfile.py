@@ -22,6 +22,7 @@ from equipoise.problem import Problem, problem_of
 from equipoise.steepness import Account
 from equipoise.sweep import Sweep
 from equipoise.verbs.analyze import before_and_after
+from equipoise.verbs.place import Placed, put
 from equipoise.yamlfile import Document
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -57,6 +58,8 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
     balancers = write(problem.balancers, geometry)
     mechanism, sweep = _case(problem, record, name)
     states = mechanism.states(sweep)
+    places = _places(data, name)
+    balancers = put(balancers, states, places)
     unknowns = merge_unknowns([balancer.unknowns for balancer in balancers])
     missing = [unknown.name for unknown in unknowns if unknown.name not in values]
     if missing:
@@ -84,8 +87,17 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         seed=int(data.get("seed") or 0),
         refined=int(data.get("refined") or 0),
         problem=record,
+        places=places,
     )
     return problem, design, tuple(_changes(design, data))
+
+
+def _places(data: Mapping[str, Any], name: str) -> dict[str, Placed]:
+    """Where springs were put among equals."""
+    try:
+        return {spring: Placed(**entry) for spring, entry in (data.get("places") or {}).items()}
+    except (AttributeError, TypeError):
+        raise ProblemError("the places of springs are incomplete", where=f"{name}, places") from None
 
 
 def _case(problem: Problem, record: Mapping[str, Any], name: str) -> tuple[Mechanism, Sweep]:

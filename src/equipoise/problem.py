@@ -19,6 +19,7 @@ from equipoise.friction import Friction
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.parts.request import Pick
+from equipoise.placement.request import Placing
 from equipoise.places import REMEDY, problem_error, where
 from equipoise.scattering.scatter import Scatter
 from equipoise.sweep import Sweep
@@ -46,8 +47,9 @@ class ProblemFile:
     geometry, from which shape then starts; shape {parameter: [low, high]} frees geometry such as `s1.path.line.0.z`;
     adjust {parameter: [low, high]} is set anew for every payload or case, null leaves an unknown its natural bounds;
     cases list mechanisms that one design serves, each with what differs from the `mechanism`: `{mass: 50 kg}`; tilt is
-    how the base leans; compare says which joint `equipoise compare` looks at; make lists cams and drums that
-    `equipoise make` cuts; trajectory, a motion or poses in order, is what a cable platform's motors are judged on;
+    how the base leans; compare says which joint `equipoise compare` looks at; placement which zones springs must keep
+    out of; make lists cams and drums that `equipoise make` cuts; trajectory, a motion or poses in order, is what a
+    cable platform's motors are judged on;
     tolerances says how far parts and robot may be off, friction how much they rub.
     With discover in the place of balancers it says how `equipoise discover` looks for them; pick asks for real parts in
     the place of ideal springs.
@@ -66,6 +68,7 @@ class ProblemFile:
     tilt: Tilt | None = None
     search: Search = field(default_factory=Search)
     compare: Comparing | None = None
+    placement: Placing | None = None
     limits: tuple[Annotated[Any, LIMIT], ...] = ()
     objective: Aim | tuple[Aim, ...] = field(default_factory=Aim)
     make: tuple[Annotated[Any, MAKE], ...] = ()

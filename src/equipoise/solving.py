@@ -179,7 +179,11 @@ def balanced(problem: Problem) -> Design:
 
 
 def _behaving(design: Design, problem: Problem) -> Design:
-    """The design with how a cable platform behaves, where it is one."""
+    """The design with its springs out of the way where zones are given, and how a cable platform behaves."""
+    if problem.content.placement is not None and not design.places:
+        from equipoise.verbs.place import place
+
+        design = place(design, problem.content.placement)
     platform = design.mechanism.platform
     if platform is None or not platform.cables:
         return design

@@ -10,7 +10,8 @@ import numpy as np
 
 from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
-from equipoise.loops import accelerations, ancestors, close_loops, close_motion
+from equipoise.loops import accelerations, ancestors, close_beside, close_loops, close_motion, tighten_loops
+from equipoise.loops.posture import integrate
 from equipoise.mechanism import Mechanism, Point
 
 if TYPE_CHECKING:
@@ -138,7 +139,9 @@ class States:
         driven, weight, payload_mass = sweep.rows()
         points = tuple(payload.point for payload in sweep.payloads)
         moving = None
-        if sweep.instants is None:
+        if sweep.instants is None and sweep.beside is not None:
+            q, transmission = close_beside(mechanism, sweep.beside, driven)
+        elif sweep.instants is None:
             q, transmission = close_loops(mechanism, driven)
         else:
             time = np.tile(sweep.instants.time, len(sweep.scenarios))
@@ -151,6 +154,18 @@ class States:
 
     def __len__(self) -> int:
         return len(self.driven)
+
+    def nearby(self, driven: Array) -> States:
+        """The states at rest with driven joints (N, nd) a small step away; loops are closed from where they stand.
+
+        Raises LoopError where they do not close there.
+        """
+        model = self.mechanism.model
+        q = integrate(model, self.kin.q, (self.D @ (driven - self.driven)[..., None])[..., 0])
+        q[:, model.jnt_qposadr[self.mechanism.driven_ids]] = driven
+        q, transmission = tighten_loops(self.mechanism, q)
+        kin = kinematics(self.mechanism, q)
+        return States(self.mechanism, driven, self.weight, self.payload_points, self.payload_mass, kin, transmission)
 
     def take(self, rows: slice | Indices) -> States:
         """Some of the rows."""

@@ -5,13 +5,14 @@ from equipoise.loops.close import close_loops, loop_report, reachable, tighten_l
 from equipoise.loops.multipliers import LoopJacobian, constraint_jacobian
 from equipoise.loops.posture import ancestors
 from equipoise.loops.rates import accelerations
-from equipoise.loops.track import close_motion
+from equipoise.loops.track import close_beside, close_motion
 
 __all__ = [
     "LoopJacobian",
     "accelerations",
     "ancestors",
     "assemblies",
+    "close_beside",
     "close_loops",
     "close_motion",
     "constraint_jacobian",

@@ -21,6 +21,7 @@ from equipoise.loops.close import (
     close_loops,
     evaluator_of,
     refined,
+    selection_of,
     sound,
     transmission_of,
 )
@@ -78,6 +79,40 @@ def close_motion(mechanism: Mechanism, motion: Motion, time: Array) -> tuple[Arr
         closed = _closed(mechanism, branch, evaluate, knots, (wanted, instants))
         q[part] = closed.q[back]
         transmission[part] += transmission_of(branch, closed, (1, *transmission.shape[1:]))[back]
+    return q, transmission
+
+
+def close_beside(mechanism: Mechanism, motion: Motion, driven: Array) -> tuple[Array, Array]:
+    """As `close_loops`, for poses (N, nd) beside a motion: each is walked to from the nearest knot of its way.
+
+    A motion may pass where no straight walk from the reference leads. Raises LoopError for a pose that cannot be
+    reached so.
+    """
+    from scipy.spatial import KDTree
+
+    driven = checked(mechanism, driven)
+    branch = branch_of(mechanism)
+    if branch is None or not len(driven):
+        return close_loops(mechanism, driven)
+    model, joints = mechanism.model, mechanism.driven_ids
+    evaluate, loop = evaluator_of(mechanism), branch.loop
+    knots = _knots(mechanism, branch, evaluate, motion)
+    scale = loop.columns[loop.driven]
+    tree = KDTree(knots.driven[:, branch.places] / scale)
+    q, transmission = (
+        np.tile(branch.home.q[0], (len(driven), 1)),
+        np.repeat(selection_of(mechanism), len(driven), axis=0),
+    )
+    q[:, model.jnt_qposadr[joints]] = driven
+    for first in range(0, len(driven), _CHUNK):
+        part = slice(first, first + _CHUNK)
+        parent = tree.query(driven[part][:, branch.places] / scale)[1]
+        at = (knots.closed.rows(parent), knots.driven[parent], None)
+        postures = _reached(mechanism, branch, evaluate, at, (driven[part], None)).q
+        postures[:, model.jnt_qposadr[joints]] = driven[part]
+        closed = refined(mechanism, branch, evaluate, postures, driven[part])
+        q[part] = closed.q
+        transmission[part] += transmission_of(branch, closed, (1, *transmission.shape[1:]))
     return q, transmission
 
 
@@ -177,10 +212,10 @@ def _reached(
     mechanism: Mechanism,
     branch: Branch,
     evaluate: Evaluator,
-    start: tuple[Closed, Array, Array],
-    goal: tuple[Array, Array],
+    start: tuple[Closed, Array, Array | None],
+    goal: tuple[Array, Array | None],
 ) -> Closed:
-    """Walk from closed postures with their driven positions and times to driven positions at later times."""
+    """Walk from closed postures with their driven positions and times (if any) to driven positions at later times."""
     loop, scale = branch.loop, branch.loop.columns[branch.loop.driven]
     closed, begin, since = start
     wanted, until = goal
@@ -192,8 +227,10 @@ def _reached(
         ahead = (1.0 - done.share[row]) * span[row]
         last = done.closed.rows(np.array([row]))
         blocked = Blocked(0, last, ahead, stop, float(done.lowest[row]), 0)
-        time = since[row] + done.wall[row] * (until[row] - since[row])
-        raise _at(blocked_way(mechanism, branch, evaluate, blocked, wanted[row]), time, "the motion stops")
+        error = blocked_way(mechanism, branch, evaluate, blocked, wanted[row])
+        if since is None or until is None:
+            raise error
+        raise _at(error, since[row] + done.wall[row] * (until[row] - since[row]), "the motion stops")
     return done.closed
 
 

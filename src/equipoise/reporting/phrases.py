@@ -9,8 +9,21 @@ from typing import Any
 
 from equipoise.balancers.laws.law import FORCE
 from equipoise.design import Active, Design
+from equipoise.objective import joint_goal
 from equipoise.parameters import tag
-from equipoise.reporting.numbers import SHOWN, percent, place, plain, quantity, seen, shown, sig, sort_out, span
+from equipoise.reporting.numbers import (
+    SHOWN,
+    effort_word,
+    percent,
+    place,
+    plain,
+    quantity,
+    seen,
+    shown,
+    sig,
+    sort_out,
+    span,
+)
 from equipoise.reporting.rehearsal import motion_words
 from equipoise.units import along_path
 
@@ -75,12 +88,17 @@ def result(design: Design) -> str:
     if joint not in design.mechanism.driven:
         bare = f"it is {sig(was)}" if seen(was) else "nothing pulls"
         return f"{what} of the {joint} is {sig(left)} {after.unit}; without the added parts {bare}."
-    word = "holding torque" if before.unit == "N m" else "holding force"
-    start = f"{what} {word} at {joint}"
+    start = f"{what} {supplied(design)} {effort_word(before.unit)} at {joint}"
     if left <= 1e-9 * was:
         return f"{start} vanishes: {sig(was)} {before.unit} before, {sig(left)} {after.unit} (rounding) after."
     change = f"falls from {sig(was)} to {sig(left)} {after.unit}" if left < was else "does not fall"
-    return f"{start} {change}, {plain(100 * left / was, 3)} % of what the motor holds without the added parts."
+    gives = "holds" if supplied(design) == "holding" else "gives"
+    return f"{start} {change}, {plain(100 * left / was, 3)} % of what the motor {gives} without the added parts."
+
+
+def supplied(design: Design) -> str:
+    """What the rows of the joints are: `holding` efforts at rest, or what the `motor` supplies over a motion."""
+    return "motor" if joint_goal(design.objective, design.states.rates is not None) == "drive" else "holding"
 
 
 def main_joint(design: Design) -> str:
@@ -94,7 +112,11 @@ def main_joint(design: Design) -> str:
         size = before.limit if by_motor and before.limit else 1.0
         return (getattr(before, norm) - getattr(after, norm)) / size
 
-    return max((joint for joint in design.before if joint in counted), key=gain)
+    # where only mass counts, what the limits keep small is what there is to show
+    shown_rows = [row for row in design.before if row in counted] or [
+        row for row in design.before if row not in design.mechanism.driven
+    ]
+    return max(shown_rows or design.before, key=gain)
 
 
 def law_words(part: Mapping[str, Any], balancer: Any) -> str:
@@ -172,6 +194,19 @@ def work_words(part: Mapping[str, Any]) -> str:
     """Length, force and energy of a spring over the sweep."""
     mass = f", own mass {quantity(part['mass'], 'kg', 3)}" if part.get("mass") else ""
     return ", ".join(f"{name} {value}" for name, value in facts(part)) + room_words(part) + mass + pushing(part)
+
+
+def placed_words(part: Mapping[str, Any], design: Design) -> str:
+    """Where the spring was put among equals, the area it sweeps and the workspace that costs; or nothing."""
+    placed = design.places.get(part["name"])
+    if placed is None:
+        return ""
+    turn = f"turned about the joint by {quantity(placed.turn, 'rad', 3)}" if abs(placed.turn) > 1e-9 else "not turned"
+    swap = ", distances of crank and pivot swapped" if placed.swapped else ""
+    return (
+        f"placed {turn}{swap}; sweeps {sig(placed.area, 3)} m^2 with rods and guides, "
+        f"{sig(100 * placed.share, 2)} % of the links' own sweep"
+    )
 
 
 def room_words(part: Mapping[str, Any]) -> str:

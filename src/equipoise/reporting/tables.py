@@ -67,7 +67,9 @@ def parts(design: Design) -> Raw:
         ends = [[end["body"], *(_coordinate(value) for value in end["at"])] for end in part["ends"]]
         where = table(["attached to link", "x [mm]", "y [mm]", "z [mm]"], ends, numbers=1) if ends else Raw("")
         led = [element("p", path_words(balancer.path))] if spring and not isinstance(balancer.path, Line) else []
-        does = table(["over the sweep", ""], _facts(part), numbers=1) if spring else Raw("")
+        placed = phrases.placed_words(part, design)
+        facts = [*_facts(part), *([["place", placed]] if placed else [])] if spring else []
+        does = table(["over the sweep", ""], facts, numbers=1) if spring else Raw("")
         blocks += [element("h3", f"{part['name']}: {words}"), *led, element("div", where, does, class_="pair")]
     lead = "Points are in the link's own frame, as the robot file defines it; the link called world is the base."
     return section("Parts and attachment points", *blocks, _found(design), lead=lead)
@@ -82,6 +84,8 @@ def _facts(part: Mapping[str, Any]) -> list[list[str]]:
     facts = [[name, value] for name, value in phrases.facts(part)]
     if pushes:
         facts[1][1] = join([facts[1][1], small("negative: it pushes")])
+    if room := phrases.room_words(part):
+        facts.append(["room", room.removeprefix(", room ")])
     facts += [[name, value] for name, value in phrases.details(part)]
     if part.get("unsourced"):
         facts.append(["unsourced, ask the maker", ", ".join(part["unsourced"])])

@@ -154,6 +154,7 @@ def _part(part: Mapping[str, Any], balancer: object, design: Design) -> list[str
             *_labelled(name, phrases.law_words(part, balancer)),
             *_labelled("", _led(part, balancer)),
             *_labelled("", phrases.work_words(part)),
+            *(_labelled("", words) if (words := phrases.placed_words(part, design)) else []),
             *(_labelled("", words) if (words := phrases.used_words(part)) else []),
             *(_labelled("", words) if (words := phrases.stored_words(part)) else []),
         ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -67,22 +69,41 @@ def _line(design: Design, poses: int, seed: int) -> Line:
         centre = sweep.box[:, 0] + rng.random((poses, len(sweep.box))) * (sweep.box[:, 1] - sweep.box[:, 0])
     direction = rng.standard_normal(centre.shape)
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    for step in (STEP, STEP / 10):
+    if sweep.instants is not None:
+        start, end = sweep.instants.region[0]
+        moving = design.mechanism.states(sweep.at(rng.uniform(start, end, (poses, 1))))
+        tall = np.tile(direction, (len(sweep.scenarios), 1))
+        return _first(design, (moving,) * 3, tall)
+    # near the rim of what a linkage reaches: stay closer to poses that close
+    others = (known[rng.integers(len(known), size=poses)] for _ in range(2))
+    return _first(design, itertools.chain([centre], others), direction)
+
+
+def _first(design: Design, centres: Iterable[Array | States], direction: Array) -> Line:
+    """The first line that closes everywhere, with ever shorter steps; raises what bars the last one."""
+    steps = (STEP, STEP / 10, STEP / 100)
+    for centre, step in zip(centres, steps, strict=False):
         try:
             return _along(design, centre, direction, step)
-        except InputError:  # near the rim of what a linkage reaches: stay closer to poses that close
-            centre = known[rng.integers(len(known), size=poses)]
-    return _along(design, centre, direction, STEP / 100)
+        except InputError:
+            if step == steps[-1]:
+                raise
+    raise AssertionError("there are as many centres as steps")
 
 
-def _along(design: Design, centre: Array, direction: Array, step: float) -> Line:
+def _along(design: Design, centre: Array | States, direction: Array, step: float) -> Line:
+    """The line about poses (N, nd), each closed from the reference, or about states, closed from where they stand."""
+
     def at(distance: float) -> States:
-        states = design.mechanism.states(design.sweep.at_poses(centre + distance * direction))
+        if isinstance(centre, States):
+            states = centre.nearby(centre.driven + distance * direction)
+        else:
+            states = design.mechanism.states(design.sweep.at_poses(centre + distance * direction))
         reach(design, states)
         return states
 
     sides = [step / 2**level for level in range(LEVELS)]
-    tall = np.tile(direction, (len(design.sweep.scenarios), 1))
+    tall = direction if isinstance(centre, States) else np.tile(direction, (len(design.sweep.scenarios), 1))
     return Line(at(0.0), tuple(map(at, sides)), tuple(at(-side) for side in sides), tall, step)
 
 

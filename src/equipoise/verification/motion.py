@@ -14,6 +14,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import DisagreementError, EquipoiseError
 from equipoise.models.notices import listen
+from equipoise.momentum import body_inertia, wrench
 from equipoise.objective import pole_of
 from equipoise.sweep import Sweep
 from equipoise.verification.findings import FreeBase, JointError, MotionCheck
@@ -77,10 +78,17 @@ def _heaviest(sweep: Sweep) -> Sweep:
 
 
 def _rows(design: Design, time: Array, sweep: Sweep) -> tuple[dict[str, Array], dict[str, float]]:
-    """The design's rows over time, and the largest load of each: what is balanced, or what balances it."""
+    """The design's rows over time, and the largest load of each: what is balanced, what balances it, any body's own."""
     states = design.mechanism.states(sweep.at(time[:, None]))
     rows, bare = design.account(states), design.account(states, bare=True)
-    return rows, {name: float(np.maximum(np.abs(bare[name]), np.abs(rows[name])).max()) for name in rows}
+    loads = {name: float(np.maximum(np.abs(bare[name]), np.abs(rows[name])).max()) for name in rows}
+    model = design.mechanism.model
+    for body in range(1, model.nbody):
+        place = states.placement(model.body(body).name)
+        own = np.abs(wrench(place, body_inertia(model, body)[None])[..., 0])
+        loads["force"] = max(loads["force"], float(own[:, :3].max()))
+        loads["moment"] = max(loads["moment"], float(own[:, 3:].max()))
+    return rows, loads
 
 
 def _inverse(design: Design, plan: Rehearsal, sweep: Sweep) -> dict[str, JointError]:

@@ -16,6 +16,8 @@ from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.balancers.spring import actuator_name
 from equipoise.design import Design
 from equipoise.errors import DisagreementError
+from equipoise.loops.constraints import equalities, residual
+from equipoise.loops.posture import Evaluator, integrate
 from equipoise.machinery.drive import effort_parts
 from equipoise.mechanism import Mechanism, compile_spec
 from equipoise.states import States
@@ -81,8 +83,8 @@ def rehearse(design: Design, spec: mujoco.MjSpec, sweep: Sweep, time: Array) -> 
     Raises InputError where the loops that parts add have no accelerations here.
     """
     at = sweep.at(time[:, None])
-    machine, forces = _machine(design, spec, sweep), unstored(design)
     own = design.mechanism.states(at)
+    machine, forces = _machine(design, spec, sweep, own.kin.q[0]), unstored(design)
     states = machine.states(replace(at, payloads=(), scenarios=np.zeros((1, 0))))
     parts = effort_parts(own, design.balancers, design.values)
     inertia = _inertia(machine, states)
@@ -108,8 +110,11 @@ def rehearse(design: Design, spec: mujoco.MjSpec, sweep: Sweep, time: Array) -> 
     )
 
 
-def _machine(design: Design, spec: mujoco.MjSpec, sweep: Sweep) -> Mechanism:
-    """The machine as a mechanism with the design's driven joints, payloads in it, at a posture near closed loops."""
+def _machine(design: Design, spec: mujoco.MjSpec, sweep: Sweep, start: Array) -> Mechanism:
+    """The machine as a mechanism with the design's driven joints and payloads, at a posture near closed loops.
+
+    start (nq,) is how the mechanism itself stands as the motion begins; linkages of added parts have a keyframe.
+    """
     own, spec = design.mechanism, spec.copy()
     for index, (payload, mass) in enumerate(zip(sweep.payloads, sweep.scenarios[0], strict=True)):
         point = payload.point
@@ -122,8 +127,22 @@ def _machine(design: Design, spec: mujoco.MjSpec, sweep: Sweep) -> Mechanism:
         home = model.key_qpos[keys.index(KEY)].copy()
     else:
         home = model.qpos0.copy()
-        home[by_name(model, own.model)[0]] = own.reference
-    return replace(own, spec=spec, model=model, reference=home, _batches={})
+        home[by_name(model, own.model)[0]] = start
+    return replace(own, spec=spec, model=model, reference=_meshed(model, own.model, home), _batches={})
+
+
+def _meshed(model: mujoco.MjModel, original: mujoco.MjModel, home: Array) -> Array:
+    """A posture (nq,) with the added joints brought where gears and belts want them, those of the mechanism held."""
+    found, evaluate = equalities(model), Evaluator(model)
+    added = np.setdiff1d(np.arange(model.nv), by_name(model, original)[1])
+    if not found or not added.size:
+        return home
+    for _ in range(3):
+        gap, jacobian = residual(found, evaluate(home[None]))
+        step = np.zeros((1, model.nv))
+        step[0, added] = -np.linalg.lstsq(jacobian[0][:, added], gap[0], rcond=1e-9)[0]
+        home = integrate(model, home[None], step)[0]
+    return home
 
 
 def _wheels(design: Design, sweep: Sweep, states: States) -> dict[str, tuple[Array, Array]]:

@@ -58,9 +58,9 @@ def _close_keys(spec: mujoco.MjSpec, design: Design) -> None:
     Where the parts do not close at a keyframe of the mechanism, its added joints stay at zero.
     """
     mechanism, original = design.mechanism, design.mechanism.model
-    middle = design.sweep.poses[np.abs(design.sweep.poses - design.sweep.poses.mean(axis=0)).sum(axis=1).argmin()]
+    middle = int(np.abs(design.sweep.poses - design.sweep.poses.mean(axis=0)).sum(axis=1).argmin())
     poses = {key.name: original.key_qpos[index] for index, key in enumerate(mechanism.spec.keys)}
-    first = mechanism.states(design.sweep.at_poses(middle[None]))
+    first = mechanism.states(design.sweep.at(design.sweep.coordinates[[middle]]))
     added = _positions(design, first)
     if not added:
         return
