@@ -12,6 +12,7 @@ from scipy.optimize import linprog
 import equipoise as eq
 from equipoise.cables.clearance import segments
 from equipoise.errors import InfeasibleError, InputError
+from equipoise.reporting.scene import outline
 
 S3 = 3**0.5
 CORNERS = ((-0.5, -S3 / 6), (0.5, -S3 / 6), (0.0, S3 / 3))
@@ -235,3 +236,32 @@ def test_inertia_counts_in_a_motion():
     rate = 4 * np.pi
     a = -(rate**2) * (states.driven - 0.5)
     np.testing.assert_allclose(np.einsum("nij,nj->ni", W, total), 2.0 * (a + np.array([0, 9.81])), atol=1e-5)
+
+
+def test_outline_of_a_platform():
+    """A box has twelve edges, a plate as many as corners, whatever the order of its points."""
+    box = np.array([(x, y, z) for x in (0, 1) for y in (0, 2) for z in (0, 3)], dtype=float)
+    edges = outline(box)
+    assert len(edges) == 12
+    assert all((np.abs(box[a] - box[b]) > 0).sum() == 1 for a, b in edges)
+    plate = np.array([(1.0, 0.0, 1.0), (-1.0, 0.0, -1.0), (-1.0, 0.0, 1.0), (1.0, 0.0, -1.0)])
+    assert sorted(np.linalg.norm(plate[a] - plate[b]) for a, b in outline(plate)) == [2.0] * 4
+    assert outline(plate[:1]) == []
+
+
+def test_a_cap_that_cannot_be_kept_is_named():
+    """At the foot of an altitude no tensions of 1 N leave less than 1 N: the cap conflicts with the limit."""
+    mechanism = eq.cable_platform(CORNERS)
+    law = eq.Polynomial((0.0, 1.0), degree=4)
+    parts = [
+        eq.Spring(f"s{i}", eq.Reel(c), law, like="s0" if i else None) for i, c in enumerate(mechanism.platform.cables)
+    ]
+    aims = [eq.Aim(goal="wrench"), eq.Aim(goal="wrench", norm="peak", cap=0.5)]
+    with pytest.raises(InfeasibleError, match=r"force of s0 over .* and peak of resultant <= 0.5 conflict"):
+        eq.balance(
+            mechanism,
+            parts,
+            eq.Sweep.triangle(mechanism, CORNERS),
+            objective=aims,
+            limits=[eq.Force("s0", min=1.0, over=(0.0, 1.0))],
+        )

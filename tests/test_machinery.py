@@ -203,5 +203,5 @@ def test_the_table_of_a_report_is_the_motion_again(tmp_path, bar):
     again = eq.Sweep.motion(bar, tmp_path / "residuals.csv")
     assert again.poses == pytest.approx(sweep.poses)
     page = (tmp_path / "report.html").read_text()
-    for words in ("Motors and bearings over the motion", "floating base", "crank to coupler"):
+    for words in ("Motors and bearings over the motion", "floating base", "crank to coupler", "Force in the bearings"):
         assert words in page

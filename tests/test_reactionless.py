@@ -171,7 +171,7 @@ def test_side_by_side(both_ways):
     assert table.columns == ("bare", "rrr3_reactionless", "rrr3_flywheel")
     lines = {line.what: line.values for line in table.lines}
     assert lines["added mass"][1:] == pytest.approx([design.added_mass for design in both_ways.values()])
-    assert lines["flywheel motor, power"] == (None, None, pytest.approx(200.0))
+    assert lines["flywheel motor, power"] == (None, None, pytest.approx(200.0, rel=1e-3))
     assert lines["drive effort, peak"][1] > 2 * lines["drive effort, peak"][2]
     assert lines["torque reversals in all meshes"][1] >= 6
     assert "shaking moment, peak [N m]" in str(table)
@@ -251,13 +251,15 @@ def test_the_smallest_flywheel_from_rest_and_turning(turning_bar, limits):
     for law in (from_rest, turning):
         assert np.abs(law.speed).max() <= limits.get("speed", np.inf) * (1 + 1e-9)
         assert np.abs(law.power).max() <= limits.get("power", np.inf) * (1 + 1e-9)
+        reached = [np.abs(getattr(law, what)).max() / most for what, most in limits.items()]
+        assert max(reached) > 1 - 1e-3
         assert law.inertia == pytest.approx(max(law.needs.values()))
     assert from_rest.speed[0] == 0
     assert turning.inertia < 0.999 * from_rest.inertia
     np.testing.assert_allclose(turning.torque, from_rest.torque, atol=1e-12)
     # no other initial speed needs less
     stored = turning.speed * turning.inertia
-    for other in (-1e-3, 1e-3):
+    for other in (-1e-2, 1e-2):
         shifted = stored + other * np.ptp(stored)
         speed = np.abs(shifted).max() / limits.get("speed", np.inf)
         power = np.abs(turning.torque * shifted).max() / limits.get("power", np.inf)

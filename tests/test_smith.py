@@ -88,7 +88,7 @@ def test_the_flywheel_keeps_its_motor():
             np.abs(found.speed).max() / limits.get("speed", np.inf),
             np.abs(found.power).max() / limits.get("power", np.inf),
         ]
-        assert max(reached) == pytest.approx(1.0)
+        assert max(reached) == pytest.approx(1.0, rel=1e-3)
     assert model.largest(law.power) == pytest.approx(533.4, abs=0.1)
 
 

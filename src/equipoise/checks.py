@@ -13,8 +13,8 @@ from equipoise.errors import InputError
 from equipoise.limits import ExactAt
 from equipoise.objective import Aim
 from equipoise.parameters import read, write
+from equipoise.ranges import pose_vector
 from equipoise.states import States
-from equipoise.sweep import pose_vector
 from equipoise.units import Measured
 
 if TYPE_CHECKING:

@@ -106,7 +106,7 @@ class Mechanism:
         LoopError naming the choices for any other name, or where nothing regular closes.
         """
         from equipoise.loops import on_branch
-        from equipoise.sweep import pose_vector
+        from equipoise.ranges import pose_vector
 
         driven = at if isinstance(at, np.ndarray) else pose_vector(self, at or {})
         return on_branch(self, np.asarray(driven, dtype=float), branch)

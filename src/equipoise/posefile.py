@@ -43,7 +43,9 @@ def read_columns(mechanism: Mechanism, path: Path, own: Mapping[str, str]) -> di
         raise InputError(f"cannot read the file: {reason}", where=str(path), hint="check the path") from None
     if len(lines) < 2:
         raise InputError(
-            "the file has no rows", where=str(path), hint="one header line, then a line per pose or instant"
+            "the file has a header, but no poses or instants",
+            where=str(path),
+            hint="one line for each below the header",
         )
     heads = [_header(cell, mechanism, path, own) for cell in lines[0]]
     columns = {name: np.empty(len(lines) - 1) for name, _ in heads if name}

@@ -20,10 +20,22 @@ from equipoise.motion.drivers import Driver
 from equipoise.motion.motion import Motion, of_drivers, read_motion
 from equipoise.motion.moves import Free, Moves, Timed, take
 from equipoise.posefile import held, read_columns
+from equipoise.ranges import (
+    MAX_POSES,
+    anchors,
+    box_of,
+    crossed,
+    driven_index,
+    few_enough,
+    interval,
+    points_each_way,
+    pose_vector,
+    tensor,
+    ticks_of,
+)
 from equipoise.seeding import generator
-from equipoise.units import Joint, Length, Mass, Number, Time, to_si
+from equipoise.units import Joint, Length, Mass, Number, Time
 
-MAX_POSES = 5_000_000
 INSTANTS = 721
 FINER = 2
 """Gauss points per axis that the finer rule has more."""
@@ -84,7 +96,7 @@ class Sweep:
             object.__setattr__(self, "scenarios", np.zeros((1, 0)))
         if len(self.poses) == 0:
             raise InputError("the sweep has no poses", where="sweep", hint="give at least one pose")
-        _few_enough(len(self.poses) * len(self.scenarios))
+        few_enough(len(self.poses) * len(self.scenarios))
 
     @staticmethod
     def sobol(
@@ -100,8 +112,8 @@ class Sweep:
 
         if n < 1:
             raise InputError(f"a Sobol sweep needs at least one pose, got {n}", where="sweep.sobol")
-        _few_enough(n * max(1, len(payload)))
-        box = _box(mechanism, ranges or {})
+        few_enough(n * max(1, len(payload)))
+        box = box_of(mechanism, ranges or {})
         sampler = qmc.Sobol(len(mechanism.driven), scramble=True, rng=generator(seed))
         unit = sampler.random_base2(max(0, math.ceil(math.log2(n))))[:n]
         poses = box[:, 0] + unit * (box[:, 1] - box[:, 0])
@@ -116,8 +128,8 @@ class Sweep:
         payload: Sequence[Payload] = (),
     ) -> Sweep:
         """The full grid of {joint: (low, high, points)}, ends included, equal weights; other joints are held."""
-        ticks, box = _axes(mechanism, axes, lambda lo, hi, n: (np.linspace(lo, hi, n), np.ones(n)))
-        poses, weight = _tensor(ticks)
+        ticks, box = ticks_of(mechanism, axes, lambda lo, hi, n: (np.linspace(lo, hi, n), np.ones(n)))
+        poses, weight = tensor(ticks)
         counts = " x ".join(f"{name} {len(ticks[mechanism.driven.index(name)][0])}" for name in axes)
         return _with_payload(mechanism, Sweep(poses, weight, f"{len(poses)} poses (grid {counts})", box), payload)
 
@@ -138,8 +150,8 @@ class Sweep:
             more = {joint: (low, high, int(count) + FINER) for joint, (low, high, count) in axes.items()}
             return Sweep.quadrature(mechanism, more, payload=payload)
 
-        ticks, box = _axes(mechanism, axes, gauss)
-        poses, weight = _tensor(ticks)
+        ticks, box = ticks_of(mechanism, axes, gauss)
+        poses, weight = tensor(ticks)
         label = f"{len(poses)} Gauss-Legendre points"
         return _with_payload(mechanism, Sweep(poses, weight, label, box, finer=finer), payload)
 
@@ -161,8 +173,8 @@ class Sweep:
         area, or leaves the joints' limits.
         """
         names = mechanism.driven[:2] if joints is None else joints
-        vertices = np.array([_interval(corner, 2, "sweep.polygon", ordered=False) for corner in corners])
-        rule = workspace.polygon_rule(vertices, _anchors(mechanism, names), _count(points))
+        vertices = np.array([interval(corner, 2, "sweep.polygon", ordered=False) for corner in corners])
+        rule = workspace.polygon_rule(vertices, anchors(mechanism, names), points_each_way(points))
         edge = workspace.rim(vertices, points)
         label = f"polygon of {len(vertices)} corners over {' and '.join(names)}"
 
@@ -204,12 +216,12 @@ class Sweep:
         further joints. Weights sum to the measure. Raises InputError for ranges beyond the joints' limits.
         """
         names = tuple(ranges)
-        pairs = np.array([_interval(pair, 2, f"sweep.box.{name}") for name, pair in ranges.items()]).reshape(-1, 2)
+        pairs = np.array([interval(pair, 2, f"sweep.box.{name}") for name, pair in ranges.items()]).reshape(-1, 2)
         if not 1 <= len(names) <= 3 or (pairs[:, 0] >= pairs[:, 1]).any():
             raise InputError(
                 "a box needs one to three joints with low < high", where="sweep.box", hint="use quadrature"
             )
-        rule = workspace.box_rule(pairs[:, 0], pairs[:, 1], _count(points))
+        rule = workspace.box_rule(pairs[:, 0], pairs[:, 1], points_each_way(points))
         corners = np.array(list(itertools.product(*pairs)))
 
         def finer() -> Sweep:
@@ -339,8 +351,8 @@ class Sweep:
 
         if n < 1:
             raise InputError(f"{n} states are no sample", where="sweep.any_motion")
-        _few_enough(n * max(1, len(payload)))
-        box, rng = _box(mechanism, ranges or {}), generator(seed)
+        few_enough(n * max(1, len(payload)))
+        box, rng = box_of(mechanism, ranges or {}), generator(seed)
         centre, kept = held(mechanism), np.zeros((0, len(box)))
         for shrink in (1.0, 0.4, 0.15, 0.05, 0.02):
             near = centre + shrink * (box - centre[:, None]).T
@@ -421,49 +433,6 @@ class Sweep:
         return f"{self.label}, payload {carried}"
 
 
-def pose_vector(mechanism: Mechanism, pose: Mapping[str, float]) -> Array:
-    """Driven positions (nd,) of a pose {joint: value}; joints left out stay at the reference posture."""
-    vector = held(mechanism)
-    for joint, value in pose.items():
-        vector[_driven_index(mechanism, joint, "pose")] = to_si(value, "", f"pose, joint {joint}")
-    return vector
-
-
-def _driven_index(mechanism: Mechanism, joint: str, where: str) -> int:
-    if joint not in mechanism.driven:
-        mechanism.joint_id(joint)
-        raise InputError(
-            f"joint {joint!r} is not driven: loops, the file or you hold it",
-            where=where,
-            hint="driven joints: " + ", ".join(mechanism.driven),
-        )
-    return mechanism.driven.index(joint)
-
-
-def _few_enough(rows: int) -> None:
-    if rows > MAX_POSES:
-        raise InputError(
-            f"the sweep has {rows} rows, the limit is {MAX_POSES}",
-            where="sweep",
-            hint="use fewer poses, points per joint or payloads",
-        )
-
-
-def _count(points: int) -> int:
-    if not 1 <= points <= 200:
-        raise InputError(f"{points} points in each direction", where="sweep.points", hint="use 4 to 40")
-    return points
-
-
-def _anchors(mechanism: Mechanism, names: Sequence[str]) -> Array:
-    """Where cables of a point platform have no length, in the plane of two slides (S, 2)."""
-    platform, model = mechanism.platform, mechanism.model
-    if platform is None or len(platform.rows) != 2:
-        return np.zeros((0, 2))
-    axes = [int(np.argmax(np.abs(model.jnt_axis[mechanism.joint_id(name)]))) for name in names]
-    return np.array([[mechanism.cable(cable)[0].at[axis] for axis in axes] for cable in platform.cables])
-
-
 def _region(
     mechanism: Mechanism,
     names: Sequence[str],
@@ -477,7 +446,7 @@ def _region(
     finer: Callable[[], Sweep],
 ) -> Sweep:
     """The product of a rule over some joints and Gauss points of others; edge poses weigh nothing."""
-    indices = [_driven_index(mechanism, name, "sweep") for name in names]
+    indices = [driven_index(mechanism, name, "sweep") for name in names]
     limits = mechanism.box[indices]
     for corner in corners:
         for name, value, (low, high) in zip(names, corner, limits, strict=True):
@@ -498,70 +467,10 @@ def _region(
         assert inner.box is not None
         ends = np.array(list(itertools.product(*inner.box)))
     points, w = rule
-    poses = np.concatenate([_crossed(points, others, indices), _crossed(edge, np.unique(ends, axis=0), indices)])
+    poses = np.concatenate([crossed(points, others, indices), crossed(edge, np.unique(ends, axis=0), indices)])
     weights = np.concatenate([np.outer(w, weight).ravel(), np.zeros(len(poses) - len(w) * len(weight))])
     what = f"{len(w) * len(weight)} Gauss points of a {label}"
     return _with_payload(mechanism, Sweep(poses, weights, what, finer=finer), payload)
-
-
-def _crossed(points: Array, others: Array, indices: Sequence[int]) -> Array:
-    poses = np.tile(others, (len(points), 1))
-    poses[:, indices] = np.repeat(points, len(others), axis=0)
-    return poses
-
-
-def _interval(values: Sequence[float], count: int, where: str, ordered: bool = True) -> list[float]:
-    if len(values) != count:
-        raise InputError(f"expected {count} numbers, got {len(values)}", where=where)
-    numbers = [float(value) for value in values]
-    if not all(map(math.isfinite, numbers)):
-        raise InputError(f"{numbers} is not finite", where=where)
-    if ordered and numbers[0] > numbers[1]:
-        raise InputError(
-            f"the limits are reversed: {numbers[0]:g} > {numbers[1]:g}", where=where, hint="write the lower limit first"
-        )
-    return numbers
-
-
-def _box(mechanism: Mechanism, ranges: Mapping[str, Sequence[float]]) -> Array:
-    box = mechanism.box
-    for joint, limits in ranges.items():
-        where = f"sweep.ranges.{joint}"
-        box[_driven_index(mechanism, joint, where)] = _interval(limits, 2, where)
-    unlimited = [name for name, row in zip(mechanism.driven, box, strict=True) if np.isnan(row).any()]
-    if unlimited:
-        raise InputError(
-            f"slide {unlimited[0]!r} has no limits",
-            where="sweep",
-            hint=f"give its range: ranges: {{{unlimited[0]}: [0, 0.5]}}",
-        )
-    return box
-
-
-def _axes(mechanism: Mechanism, axes: Mapping[str, Sequence[Joint]], rule: Any) -> tuple[list[Any], Array]:
-    if not axes:
-        raise InputError("the sweep names no joint", where="sweep", hint=f"joints: {', '.join(mechanism.driven)}")
-    start = held(mechanism)
-    ticks: list[Any] = [(np.array([value]), np.ones(1)) for value in start]
-    box = np.stack([start, start], axis=1)
-    for joint, values in axes.items():
-        where = f"sweep, joint {joint}"
-        index = _driven_index(mechanism, joint, where)
-        low, high, count = _interval(values, 3, where)
-        if count < 1 or count != int(count) or count > MAX_POSES:
-            raise InputError(f"{count:g} is not a number of points", where=where, hint="write [low, high, points]")
-        if math.prod(len(tick[0]) for tick in ticks) * count > MAX_POSES:
-            raise InputError(f"the grid has more than {MAX_POSES} poses", where=where, hint="use fewer points or sobol")
-        ticks[index] = rule(low, high, int(count))
-        box[index] = low, high
-    return ticks, box
-
-
-def _tensor(ticks: list[Any]) -> tuple[Array, Array]:
-    mesh = np.meshgrid(*[tick[0] for tick in ticks], indexing="ij")
-    weights = np.meshgrid(*[tick[1] for tick in ticks], indexing="ij")
-    poses = np.stack([axis.ravel() for axis in mesh], axis=1)
-    return poses, np.prod([axis.ravel() for axis in weights], axis=0)
 
 
 def _with_payload(mechanism: Mechanism, sweep: Sweep, payload: Sequence[Payload]) -> Sweep:

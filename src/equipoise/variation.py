@@ -12,7 +12,8 @@ from equipoise.affine import Array
 from equipoise.assemble import effort
 from equipoise.design import Design
 from equipoise.errors import InputError, nearest
-from equipoise.sweep import Sweep, pose_vector
+from equipoise.ranges import pose_vector
+from equipoise.sweep import Sweep
 
 SAMPLES = 2001
 HALVINGS = 24

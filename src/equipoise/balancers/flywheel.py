@@ -17,7 +17,10 @@ from equipoise.momentum import FORCE, MASS, MOMENT
 from equipoise.states import States
 from equipoise.units import Inertia, Mass, Power, Speed, Torque
 
-CLOSE = 1e-9
+CLOSE = 1e-4
+"""By how much, relatively, a motor's figures may be exceeded: sampled motions know their peaks no better."""
+FINER = 12
+"""Instants between two samples at which peaks are looked for."""
 
 
 @dataclass(frozen=True)
@@ -99,15 +102,17 @@ class Flywheel:
         """
         where = f"flywheel {self.name}"
         torque, stored = -moment @ self.normal, -(momentum - momentum[0]) @ self.normal
-        most = float(np.abs(torque).max())
+        often = np.linspace(time[0], time[-1], FINER * (len(time) - 1) + 1)
+        pull, kept = _between(time, torque, often), _between(time, stored, often)
+        most = float(np.abs(pull).max())
         if self.torque is not None and most > self.torque * (1 + CLOSE):
             raise InfeasibleError(
                 f"the moment reaches {most:.4g} N m, the motor gives {self.torque:.4g} N m: no inertia changes that",
                 where=where,
                 hint="a slower motion, a stronger motor, or less moment (counterweights, counter-rotors)",
             )
-        ahead = self._ahead(torque, stored) if self.start == "turning" else 0.0
-        needs = self._needs(torque, stored + ahead)
+        ahead = self._ahead(pull, kept) if self.start == "turning" else 0.0
+        needs = self._needs(pull, kept + ahead)
         least = max(needs.values(), default=0.0)
         if self.inertia is not None and least > self.inertia * (1 + CLOSE):
             reason = max(needs, key=needs.__getitem__)
@@ -173,6 +178,13 @@ class FlywheelLaw:
     def power(self) -> Array:
         """What the motor supplies (N,), W."""
         return self.torque * self.speed
+
+
+def _between(time: Array, values: Array, often: Array) -> Array:
+    """A quintic spline through the values at more instants."""
+    from scipy.interpolate import make_interp_spline
+
+    return make_interp_spline(time, values, k=min(5, (len(time) - 2) // 2 * 2 + 1))(often)
 
 
 def _integral(time: Array, values: Array) -> Array:

@@ -9,8 +9,8 @@ import numpy as np
 
 from equipoise.errors import InputError
 from equipoise.limits.limit import Setting
+from equipoise.ranges import pose_vector
 from equipoise.solve.program import Rows
-from equipoise.sweep import pose_vector
 from equipoise.units import Joint
 
 

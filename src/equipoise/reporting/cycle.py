@@ -49,6 +49,42 @@ def cycle(sample: Sample) -> Figure | None:
     return made
 
 
+def bearing_curves(sample: Sample) -> Figure | None:
+    """Force in the most loaded bearings and pins over time, before and after."""
+    from equipoise.machinery import bearing_forces
+
+    design = sample.design
+    instants = design.sweep.instants
+    if instants is None:
+        return None
+    order = np.argsort(instants.time, kind="stable")  # scenarios follow one another: the first is drawn
+    time, some = 1e3 * instants.time[order], design.states.take(slice(0, len(order)))
+    before = bearing_forces(some)
+    after = bearing_forces(some, design.balancers, design.values)
+    sizes = [found.magnitude[order] for found in (before, after)]
+    loads = np.maximum(*[size.max(axis=0) for size in sizes])
+    most = np.argsort(-loads, kind="stable")[:MOST]
+    most = most[loads[most] > 0]
+    if not most.size:
+        return None
+    made = style.figure(10.4, 1.9 * ((len(most) + 1) // 2) + 0.35)
+    axes = made.subplots((len(most) + 1) // 2, 2, squeeze=False, sharex=True).ravel()
+    for ax, index in zip(axes, sorted(most), strict=False):
+        for size, colour, label in zip(sizes, (style.BEFORE, style.AFTER), ("before", "after"), strict=True):
+            ax.plot(time, size[:, index], color=colour, lw=1.4, label=label)
+        bearing = before.bearings[index]
+        ax.set_title(f"{bearing.name}: {bearing.between[0]} to {bearing.between[1]}")
+        ax.set_ylabel("|F| [N]")
+        ax.set_ylim(bottom=0.0)
+    for ax in axes[len(most) :]:
+        ax.set_visible(False)
+    for ax in axes[max(0, len(most) - 2) : len(most)]:
+        ax.set_xlabel("time [ms]")
+    handles, labels = axes[0].get_legend_handles_labels()
+    made.legend(handles, labels, loc="outside upper right", ncols=2)
+    return made
+
+
 def _hodograph(ax: Axes, before: Array, after: Array) -> None:
     """The tip of the force, along the two world axes that it uses most."""
     first, second = sorted(np.argsort(-np.ptp(before, axis=0), kind="stable")[:2].tolist())

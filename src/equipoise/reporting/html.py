@@ -42,12 +42,10 @@ def page(design: Design, model: str) -> str:
             tolerance_section(design),
             friction_section(design),
             sections.basis(design),
-            sections.honest_limits(),
+            sections.honest_limits(design),
             sections.files(design, model),
             sections.literature(design),
-            element(
-                "footer", f"Made by equipoise {__version__}. Torques are what the motors must supply to hold still."
-            ),
+            element("footer", f"Made by equipoise {__version__}. {_meaning(design)}"),
         ],
         "\n",
     )
@@ -64,6 +62,11 @@ def page(design: Design, model: str) -> str:
     )
     whole = element("html", element("head", head), element("body", element("main", body)), lang="en")
     return f"<!doctype html>\n{whole}\n"
+
+
+def _meaning(design: Design) -> str:
+    still = phrases.supplied(design) == "holding"
+    return f"Torques are what the motors must supply {'to hold still' if still else 'over the motion'}."
 
 
 def _header(design: Design) -> Raw:

@@ -9,8 +9,21 @@ from typing import Any
 
 from equipoise.balancers.laws.law import FORCE
 from equipoise.design import Active, Design
+from equipoise.objective import joint_goal
 from equipoise.parameters import tag
-from equipoise.reporting.numbers import SHOWN, percent, place, plain, quantity, seen, shown, sig, sort_out, span
+from equipoise.reporting.numbers import (
+    SHOWN,
+    effort_word,
+    percent,
+    place,
+    plain,
+    quantity,
+    seen,
+    shown,
+    sig,
+    sort_out,
+    span,
+)
 from equipoise.reporting.rehearsal import motion_words
 from equipoise.units import along_path
 
@@ -75,12 +88,17 @@ def result(design: Design) -> str:
     if joint not in design.mechanism.driven:
         bare = f"it is {sig(was)}" if seen(was) else "nothing pulls"
         return f"{what} of the {joint} is {sig(left)} {after.unit}; without the added parts {bare}."
-    word = "holding torque" if before.unit == "N m" else "holding force"
-    start = f"{what} {word} at {joint}"
+    start = f"{what} {supplied(design)} {effort_word(before.unit)} at {joint}"
     if left <= 1e-9 * was:
         return f"{start} vanishes: {sig(was)} {before.unit} before, {sig(left)} {after.unit} (rounding) after."
     change = f"falls from {sig(was)} to {sig(left)} {after.unit}" if left < was else "does not fall"
-    return f"{start} {change}, {plain(100 * left / was, 3)} % of what the motor holds without the added parts."
+    gives = "holds" if supplied(design) == "holding" else "gives"
+    return f"{start} {change}, {plain(100 * left / was, 3)} % of what the motor {gives} without the added parts."
+
+
+def supplied(design: Design) -> str:
+    """What the rows of the joints are: `holding` efforts at rest, or what the `motor` supplies over a motion."""
+    return "motor" if joint_goal(design.objective, design.states.rates is not None) == "drive" else "holding"
 
 
 def main_joint(design: Design) -> str:

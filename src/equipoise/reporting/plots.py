@@ -12,7 +12,7 @@ from equipoise.make.synthesis import Part
 from equipoise.reporting import style
 from equipoise.reporting.cam_plots import cam_drawing
 from equipoise.reporting.curves import curves
-from equipoise.reporting.cycle import cycle
+from equipoise.reporting.cycle import bearing_curves, cycle
 from equipoise.reporting.drawing import drawing
 from equipoise.reporting.ledger import ledger
 from equipoise.reporting.maps import draw_map, residual_map
@@ -78,6 +78,11 @@ def pictures(design: Design) -> list[Picture]:
             f"force, moment and drive of {name} over time, before and after",
             "The wrench of the base on the mechanism, weight left out, and what the motors supply. Right: the path of "
             "the force's tip.",
+        ), (
+            "Force in the bearings",
+            bearing_curves,
+            f"force in the bearings and pins of {name} over time, before and after",
+            "The most loaded bearings and pins; the force is the magnitude, weight and springs included.",
         )]  # fmt: skip
     elif design.cables is not None:
         wanted = [wanted[0], *_of_cables(name)]

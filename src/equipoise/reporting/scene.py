@@ -81,6 +81,7 @@ def scene(design: Design, states: States, row: int) -> Scene:
             place = xpos[body] + xmat[body] @ where
             weights.append((number, mass, place))
             attach(balancer.at.body, place)
+    struts += _cables(design, states, row)
     payloads = []
     for point, mass in zip(states.payload_points, states.payload_mass[row], strict=True):
         place = states.point(point)[0][row]
@@ -92,6 +93,18 @@ def scene(design: Design, states: States, row: int) -> Scene:
         grounded,
         _feet(mechanism, xpos, groups.get(0, [])),
     )  # fmt: skip
+
+
+def _cables(design: Design, states: States, row: int) -> list[tuple[Array, Array]]:
+    """The cables of a platform that no spring on a bare reel draws."""
+    platform = design.mechanism.platform
+    drawn = {getattr(getattr(balancer, "path", None), "cable", None) for balancer in design.balancers}
+    left = [cable for cable in platform.cables if cable not in drawn] if platform is not None else []
+    found = []
+    for cable in left:
+        anchor, end = (states.point(point)[0][row] for point in design.mechanism.cable(cable))
+        found.append((anchor, end))
+    return found
 
 
 def _feet(mechanism: Mechanism, xpos: Array, base: list[tuple[Array, Array]]) -> list[Array]:

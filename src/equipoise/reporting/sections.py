@@ -24,6 +24,8 @@ HONEST = (
     "Nothing here checks that a spring clears the links: look at the drawing, then at the assembly.",
 )
 
+MOVING = "Links are rigid and joints have no play: the motion is followed exactly, elastic vibration comes on top."
+
 
 def tiles(design: Design) -> Raw:
     """Four numbers to take away."""
@@ -32,13 +34,10 @@ def tiles(design: Design) -> Raw:
     norm = design.norm
     was, left = seen(getattr(before, norm)), seen(getattr(after, norm))
     change = f"{sig(was, 3)} → {sig(left, 2 if left < 1e-9 * was else 3)} {after.unit}"
-    boxes = [
-        (
-            change,
-            f"{norm} of the {joint}" if joint not in design.mechanism.driven else f"{norm} holding effort at {joint}",
-            "",
-        )
-    ]
+    what = (
+        f"of the {joint}" if joint not in design.mechanism.driven else f"{phrases.supplied(design)} effort at {joint}"
+    )
+    boxes = [(change, f"{norm} {what}", "")]
     c = design.certificate
     sure = "nothing left, also off the sweep" if c.kind == "exact" else f"gap {value_words(c.gap, c.unit, 2)}"
     boxes += [(c.kind, f"certificate: {sure}", ""), *_checked(design, joint)]
@@ -144,9 +143,10 @@ def files(design: Design, model: str) -> Raw:
     )
 
 
-def honest_limits() -> Raw:
+def honest_limits(design: Design) -> Raw:
     """What the numbers leave out."""
-    return section("What this does not cover", listing(HONEST))
+    first = HONEST[0] if design.sweep.moves is None else MOVING
+    return section("What this does not cover", listing([first, *HONEST[1:]]))
 
 
 def literature(design: Design) -> Raw:

@@ -60,8 +60,6 @@ def _close_keys(spec: mujoco.MjSpec, design: Design) -> None:
     mechanism, original = design.mechanism, design.mechanism.model
     middle = int(np.abs(design.sweep.poses - design.sweep.poses.mean(axis=0)).sum(axis=1).argmin())
     poses = {key.name: original.key_qpos[index] for index, key in enumerate(mechanism.spec.keys)}
-    # taken from the sweep's own states: a motion may come there by a way that no straight walk finds
-    first = _standing(mechanism, design.states.kin.q[middle])
     first = mechanism.states(design.sweep.at(design.sweep.coordinates[[middle]]))
     added = _positions(design, first)
     if not added:

@@ -94,10 +94,6 @@ def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
         poses = inside.poses[inside.weight > 0]
         poses = poses[rng.permutation(len(poses))[:count]]
         tries.insert(0, (poses, f"{len(poses)} other poses of the sweep's region"))
-    if sweep.instants is not None:
-        motion = sweep.instants.motion
-        poses = motion.at(rng.uniform(motion.start, motion.end, count))[0]
-        tries.append((poses, f"{count} poses at random instants of the motion"))
     limits = np.where(np.isnan(mechanism.box), [-np.inf, np.inf], mechanism.box)
     near = sweep.poses[rng.integers(len(sweep.poses), size=count)]
     near = near + JITTER * np.ptp(sweep.poses, axis=0) * rng.standard_normal(near.shape)
