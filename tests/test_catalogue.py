@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import equipoise as eq
+from equipoise.cli import main
 from equipoise.errors import InputError
 from equipoise.parts.headers import FACTORS, recognise
 from equipoise.units import to_si
@@ -197,3 +198,26 @@ def test_filters_say_how_many_they_removed():
         eq.Pick(keep=0)
     with pytest.raises(InputError, match="both asked for"):
         eq.Pick(catalogue=STOCK, grid=eq.MakeableGrid())
+
+
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        ("{wire: 30 mm, diameter: 200 mm, coils: 5}", "wire 30 mm is outside EN 10270-1 SH"),
+        ("{wire: 1 mm, diameter: 3 mm, coils: 5}", "spring index D / d is 3, it must lie in 4..20"),
+        ("{wire: 2 mm, diameter: 20 mm, coils: 9, initial_tension: 200 N}", "200 N cannot be wound"),
+        ("{wire: 2 mm, diameter: 20 mm, coils: 9, grade: SW}", "no wire 'SW'"),
+    ],
+)
+def test_a_part_that_cannot_be_made_names_its_line(tmp_path, capsys, law, words):
+    file = tmp_path / "arm.yaml"
+    file.write_text(
+        "mechanism: {chain: {links: [{name: arm, length: 600 mm, mass: 4 kg}]}}\n"
+        "balancers:\n  - spring:\n      name: s1\n"
+        "      path: {line: [[world, 0, 0, 300 mm], [arm, 200 mm, 0, 0]]}\n"
+        f"      law: {{extension_spring: {law}}}\n"
+    )
+    assert main(["balance", str(file)]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert "line 6, balancers[0].spring.law.extension_spring" in said

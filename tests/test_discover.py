@@ -21,6 +21,7 @@ from equipoise.discovery.plain import plain_problem
 from equipoise.discovery.subsets import Search
 from equipoise.errors import InfeasibleError
 from equipoise.problem import load_problem, problem_of
+from equipoise.reporting.front_page import page
 from equipoise.yamlfile import Document
 
 G = 9.81
@@ -47,6 +48,7 @@ def spatial():
 KINDS = {
     "ideal": eq.Ideal(),
     "coils": eq.Coils(stretch=4.0),
+    "cable": eq.CableSprings(elongation=2.0, ratio=0.5),
     "constant": eq.ConstantForce(stroke=0.4),
     "gas": eq.GasStruts(reach=3.0),
     "torsion": eq.TorsionSprings(),
@@ -335,3 +337,69 @@ def test_panda_discover_with_one_spring():
     assert front.before == pytest.approx(57.0, abs=0.8)
     assert front.values[0] < 26.0
     assert eq.verify(front.designs[0], poses=200).verification.agrees
+
+
+def test_a_cable_over_a_guide_realises_zero_free_length_in_the_room_of_a_link():
+    """The coil lies along the upper arm; its free length, extension and cable follow from the room there."""
+    mech = arm()
+    kind = eq.CableSprings(elongation=1.0, ratio=0.5, fittings=0.02, force=4000.0)
+    request = eq.Discover(1, kinds=(kind,), pairs=((mech.bodies[0], "upper"),), candidates=900, contenders=2)
+    front = eq.discover(mech, eq.Sweep.sobol(mech, 64), request)
+    design = front.designs[0]
+    spring, part = design.balancers[0], design.parts()[0]
+    anchor, guide, hook = spring.path.through
+    assert anchor.body == guide.body != hook.body
+    run = np.linalg.norm(np.subtract(anchor.at, guide.at))
+    free = part["parameters"]["free_length"]
+    assert 2 * free <= run - 0.02 + 1e-9
+    assert part["length"][1] <= 2 * free * (1 + 1e-6)
+    assert part["length"][0] >= free * (1 - 1e-6)
+    assert part["force"][1] <= 4000.0 * (1 + 1e-6)
+    # The spring's length by plain geometry: half of the cable's, whatever its own length was cut to.
+    pose = design.states
+    there = [pose.point(point)[0] for point in (anchor, guide.centre, hook)]
+    cable = sum(np.linalg.norm(b - a, axis=-1) for a, b in itertools.pairwise(there))
+    np.testing.assert_allclose(spring.path.deform(pose)[0], 0.5 * cable + spring.path.offset, atol=1e-9)
+    assert front.values[0] < 0.6 * front.before
+    assert eq.verify(design, poses=200).verification.agrees
+
+
+def test_springs_that_gain_nothing_are_said_to():
+    """Between upper arm and forearm no ideal spring lowers a peak that the shoulder alone holds."""
+    mech = arm()
+    request = eq.Discover(1, pairs=(("upper", "fore"),), candidates=400, contenders=1)
+    with pytest.raises(InfeasibleError, match="gains anything"):
+        eq.discover(mech, eq.Sweep.sobol(mech, 64), request)
+
+
+def test_a_pulley_with_a_radius_keeps_the_cable_on_one_side():
+    links = [
+        eq.Link("upper", length=0.5, mass=3.0, limits=(-1.2, 1.2)),
+        eq.Link("fore", length=0.4, mass=2.0, limits=(0.3, 1.6)),
+    ]
+    mech = eq.chain(links)
+    kind = eq.CableSprings(elongation=1.5, radius=0.02, room=0.4)
+    request = eq.Discover(kinds=(kind,), pairs=(("upper", "fore"),), candidates=900)
+    found = collect(mech, eq.Sweep.sobol(mech, 64), request, eq.Aim(norm="rms"))
+    assert found.refused["the cable does not keep to one side of the pulley"] > 0
+    states = found.scene.states
+    for index in range(0, len(found.dictionary), max(1, len(found.dictionary) // 5)):
+        path = found.propose(index, 1).balancer.path
+        wrap = path.taut(states).wrap[:, 1]
+        assert wrap.min() > 0
+        assert path.through[1].radius == 0.02
+
+
+def test_the_report_shows_the_front_what_lost_and_where_to_attach():
+    mech = arm()
+    front = eq.discover(mech, eq.Sweep.sobol(mech, 64), eq.Discover(2, candidates=400, contenders=2))
+    html = page(front)
+    assert html.count("<h2>With ") == len(front.designs) == 2
+    for design in front.designs:
+        for part in design.parts():
+            for end in part["ends"]:
+                assert f"{round(1e3 * end['at'][0], 2) + 0.0:.5g}" in html
+    assert "Alternatives considered" in html
+    assert all(one.reason.split()[0] in html for one in front.alternatives)
+    assert "as good, and it stores" in html or "after refinement" in html
+    assert "http" not in html.replace("http://www.w3.org", "")

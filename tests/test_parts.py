@@ -195,7 +195,8 @@ def test_rows_are_arrays():
     """A thousand springs at once are the springs one by one; rows that cannot be made are told apart by reason."""
     rng = np.random.default_rng(0)
     d = rng.uniform(0.2, 21, 1000) * MM
-    many = eq.ExtensionSpring(d, d * rng.uniform(3, 22, 1000), rng.uniform(5, 60, 1000), initial_tension=d * 3e3)
+    columns = {"wire": d, "diameter": d * rng.uniform(3, 22, 1000), "coils": rng.uniform(5, 60, 1000)}
+    many = eq.ExtensionSpring.of_rows(**columns, initial_tension=d * 3e3)
     bad = {fault.reason: np.asarray(fault.rows) for fault in many.faults()}
     assert set(bad) == {
         "wire outside its standard", "spring index outside 4..20", "fewer than two coils",

@@ -109,6 +109,7 @@ _HOME = {
     "Discovery": "discovery.front",
     "Ideal": "discovery.kinds",
     "Coils": "discovery.kinds",
+    "CableSprings": "discovery.kinds",
     "ConstantForce": "discovery.kinds",
     "GasStruts": "discovery.kinds",
     "TorsionSprings": "discovery.kinds",
@@ -226,6 +227,7 @@ __all__ = [
     "BearingForces",
     "Block",
     "Cable",
+    "CableSprings",
     "Cam",
     "CamWithSpring",
     "Case",
@@ -492,6 +494,7 @@ if TYPE_CHECKING:
     from equipoise.design import Design
     from equipoise.discovery.front import Discovery
     from equipoise.discovery.kinds import (
+        CableSprings,
         Coils,
         ConstantForce,
         Counterweights,

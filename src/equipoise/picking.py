@@ -79,9 +79,10 @@ def write_problem(problem: Problem, path: Path) -> None:
 def _rooted(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     """The same content with a robot file's path absolute, for the file moves to another folder."""
     mechanism = content.get("mechanism")
-    model = mechanism.get("model") if isinstance(mechanism, Mapping) else None
-    if isinstance(model, str) and not model.startswith("package:"):
-        content["mechanism"] = {**mechanism, "model": str((folder / model).resolve())}
+    if isinstance(mechanism, Mapping):
+        model = mechanism.get("model")
+        if isinstance(model, str) and not model.startswith("package:"):
+            content["mechanism"] = {**mechanism, "model": str((folder / model).resolve())}
     return content
 
 

@@ -53,6 +53,7 @@ from equipoise.balancers.shapes import Disc, Plate, PointMass, Solid
 from equipoise.balancers.spring import Spring
 from equipoise.balancers.synthesis import Prescribed
 from equipoise.discovery.kinds import (
+    CableSprings,
     Coils,
     ConstantForce,
     Counterweights,
@@ -202,6 +203,7 @@ LIMITS: dict[str, Callable[..., Any]] = {
 KINDS: dict[str, Callable[..., Any]] = {
     "zero_free_length": Ideal,
     "coil": Coils,
+    "cable": CableSprings,
     "constant": ConstantForce,
     "gas": GasStruts,
     "torsion": TorsionSprings,

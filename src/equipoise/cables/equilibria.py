@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Mask
 from equipoise.assemble import effort
 from equipoise.balancers.paths import Reel
 from equipoise.balancers.spring import Spring
@@ -84,7 +84,7 @@ def _newton(design: Design, x: Array, size: Array, scale: float) -> Array:
     return x
 
 
-def _kind(design: Design, pose: Array, free: Array) -> Equilibrium:
+def _kind(design: Design, pose: Array, free: Mask) -> Equilibrium:
     eigenvalues = principal(design.mechanism, stiffness(design, pose[None]), free)[0]
     level = LEVEL * max(float(np.abs(eigenvalues).max()), 1e-12)
     low, high = eigenvalues[0], eigenvalues[-1]

@@ -53,7 +53,8 @@ def principal(mechanism: Mechanism, K: Array, free: Mask | None = None) -> Array
     length = 1.0 if mechanism.platform is None else mechanism.platform.length
     per = np.where(np.array(mechanism.driven_units) == "N", 1.0, 1.0 / length)
     scaled = K * per[:, None] * per
-    return np.linalg.eigvalsh(scaled if free is None else scaled[:, free][:, :, free])
+    values = np.linalg.eigvalsh(scaled if free is None else scaled[:, free][:, :, free])
+    return np.asarray(values, dtype=float)
 
 
 def richardson(effort: Callable[[Array], Array], poses: Array) -> Array:

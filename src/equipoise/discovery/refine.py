@@ -9,6 +9,8 @@ import numpy as np
 
 from equipoise.affine import Array, Unknown
 from equipoise.assemble import Balancer, effort, storage
+from equipoise.balancers.spring import Spring
+from equipoise.design import Design
 from equipoise.discovery.collect import Collection
 from equipoise.discovery.kinds import Batch, Proposal
 from equipoise.discovery.subsets import Search, Subset
@@ -20,7 +22,7 @@ from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Term
 from equipoise.solve.shape import Freedom, Local, descend
 from equipoise.sweep import Sweep
-from equipoise.verbs.balance import Task, task_of
+from equipoise.verbs.balance import Task, balance, task_of
 from equipoise.verbs.shape import load_of
 
 ITERATIONS = 40
@@ -34,22 +36,51 @@ class Parts:
     balancers: tuple[Balancer, ...]
     limits: tuple[Limit, ...]
     free: Mapping[str, tuple[float, float]]
+    proposals: tuple[Proposal, ...] = ()
 
     @staticmethod
     def of(proposals: Sequence[Proposal]) -> Parts:
         """Several proposals together."""
         free = {name: bounds for proposal in proposals for name, bounds in proposal.free.items()}
         limits = tuple(limit for proposal in proposals for limit in proposal.limits)
-        return Parts(tuple(proposal.balancer for proposal in proposals), limits, free)
+        return Parts(tuple(proposal.balancer for proposal in proposals), limits, free, tuple(proposals))
 
     def at(self, values: Mapping[str, float]) -> Parts:
         """The same parts at another geometry."""
         return replace(self, balancers=write(self.balancers, values))
 
     def with_one(self, proposal: Proposal) -> Parts:
-        """The parts and one more."""
+        """The parts and one more, where they stand."""
         one = Parts.of([proposal])
-        return Parts((*self.balancers, *one.balancers), (*self.limits, *one.limits), {**self.free, **one.free})
+        free = {**self.free, **one.free}
+        balancers, limits = (*self.balancers, *one.balancers), (*self.limits, *one.limits)
+        return Parts(balancers, limits, free, (*self.proposals, proposal))
+
+
+def built(parts: Parts, design: Design) -> Design:
+    """The shaped design with what the search left open cut to measure; unchanged where nothing is."""
+    if not any(proposal.measured for proposal in parts.proposals):
+        return design
+    balancers, own = [], set()
+    limits: list[Limit] = []
+    for proposal, balancer in zip(parts.proposals, design.balancers, strict=True):
+        if proposal.measured and isinstance(balancer, Spring):
+            own |= {id(limit) for limit in proposal.limits}
+            cut, new = proposal.measured(balancer, design.values)
+            limits += new
+            balancers.append(cut)
+        else:
+            balancers.append(balancer)
+    kept = [limit for limit in design.limits if id(limit) not in own]
+    found = balance(design.mechanism, balancers, design.sweep, objective=design.objective, limits=(*kept, *limits))
+    return replace(
+        found,
+        certificate=design.certificate,
+        geometry=design.geometry,
+        bounds=design.bounds,
+        units=found.units | {name: design.units[name] for name in design.geometry},
+        refined=design.refined,
+    )
 
 
 def judge(collection: Collection, subset: Subset, norm: Norm) -> float:
@@ -83,6 +114,9 @@ class Refiner:
         self.mechanism, self.few = mechanism, few
         self.objective, self.limits = tuple(objective), tuple(limits)
         self.states = mechanism.states(few)
+        bare = effort(mechanism, (), self.states)
+        aim = next(aim for aim in self.objective if aim.cap is None)
+        self.bare = aim.weight * aim.term(mechanism, bare, self.states.weight, bare).value(np.zeros(0))
 
     def task(self, parts: Parts) -> Task:
         """The question that parts pose."""

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from equipoise.balancers.paths import Cable
+from equipoise.balancers.spring import Spring
 from equipoise.discovery.front import Bound, Discovery
 from equipoise.units import text
 
@@ -44,10 +48,11 @@ def summary(front: Discovery) -> str:
 def parts(front: Discovery, index: int) -> list[str]:
     """One line per part of a design."""
     found = []
-    for part in front.designs[index].parts():
-        ends = " to ".join(
-            f"{end['body']} ({', '.join(f'{1e3 * v:.4g}' for v in end['at'])}) mm" for end in part["ends"]
-        )
+    design = front.designs[index]
+    for part, balancer in zip(design.parts(), design.balancers, strict=True):
+        ends = " to ".join(place(end["body"], end["at"]) for end in part["ends"])
+        if isinstance(balancer, Spring) and isinstance(balancer.path, Cable):
+            ends = "cable " + " over ".join(place(item.body, item.at) for item in balancer.path.through)
         if part["kind"] == "counterweight":
             found.append(f"{part['name']}: {text(part['mass'], 'kg')} at {ends}")
             continue
@@ -63,3 +68,8 @@ def parts(front: Discovery, index: int) -> list[str]:
 def bound_words(bound: Bound) -> str:
     """A floor in words."""
     return f"{bound.row}: {text(bound.value, bound.unit)}, {CAUSES[bound.cause]}"
+
+
+def place(body: str, at: Sequence[float]) -> str:
+    """A point of a body, mm."""
+    return f"{body} ({', '.join(f'{1e3 * v:.4g}' for v in at)}) mm"

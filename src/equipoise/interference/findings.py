@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from equipoise.balancers.paths import Line
+from equipoise.balancers.paths import Cable, Line, Pulley
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.interference.axes import passed
@@ -36,16 +37,25 @@ class Clash:
 
 
 def clashes(design: Design, radius: float | None = None) -> tuple[Clash, ...]:
-    """What every straight spring of a design runs into over its states."""
+    """What every straight spring of a design runs into over its states; cables by their runs."""
     states = design.states.take(slice(None, None, 1 + len(design.states) // AT_MOST))
     found = []
     for spring in design.balancers:
-        if not isinstance(spring, Spring) or not isinstance(spring.path, Line):
-            continue
-        for body, room in rooms(states, spring.path, radius):
-            if room.min() < 0:
-                found.append(Clash(spring.name, body, float(-room.min()), float((room < 0).mean())))
-        ends = [np.array([point.at], dtype=float) for point in (spring.path.a, spring.path.b)]
-        over = passed(states, (spring.path.a.body, spring.path.b.body), ends[0], ends[1])
-        found += [Clash(spring.name, joint, 0.0, 0.0) for joint, crossed in over.items() if crossed[0]]
+        for line in lines(spring) if isinstance(spring, Spring) else ():
+            for body, room in rooms(states, line, radius):
+                if room.min() < 0:
+                    found.append(Clash(spring.name, body, float(-room.min()), float((room < 0).mean())))
+            ends = [np.array([point.at], dtype=float) for point in (line.a, line.b)]
+            over = passed(states, (line.a.body, line.b.body), ends[0], ends[1])
+            found += [Clash(spring.name, joint, 0.0, 0.0) for joint, crossed in over.items() if crossed[0]]
     return tuple(found)
+
+
+def lines(spring: Spring) -> tuple[Line, ...]:
+    """The straight runs of a spring or its cable between bodies that differ; pulleys count by their centres."""
+    if isinstance(spring.path, Line):
+        return (spring.path,)
+    if not isinstance(spring.path, Cable):
+        return ()
+    points = [item.centre if isinstance(item, Pulley) else item for item in spring.path.through]
+    return tuple(Line(a, b) for a, b in pairwise(points) if a.body != b.body)

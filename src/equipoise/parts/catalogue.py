@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -66,12 +66,12 @@ class Catalogue:
             name: getattr(self, name)[rows][:, None] for name in ("rate", "free_length", "initial_tension", "mass")
         }
         limit = columns["free_length"] + side * self.travel[rows][:, None]
-        return StockSpring(part=self.name, limit=limit, number=number[:, None], form=form, **columns)
+        return StockSpring.of_rows(part=self.name, limit=limit, number=number[:, None], form=form, **columns)
 
     def spring(self, row: int, number: float = 1.0) -> StraightPart:
         """One row as the part it is, `number` of it in parallel."""
         if self.make is not None:
-            return replace(self.make(row), number=float(number))  # type: ignore[call-arg]
+            return replace(self.make(row), number=float(number))
         side = -1.0 if self.form[row] == "compression" else 1.0
         return StockSpring(
             part=self.part[row],
@@ -85,7 +85,7 @@ class Catalogue:
         )
 
 
-def filtered(catalogue: Catalogue, keep: dict[str, Array]) -> tuple[Catalogue, dict[str, int]]:
+def filtered(catalogue: Catalogue, keep: Mapping[str, NDArray[np.bool_]]) -> tuple[Catalogue, dict[str, int]]:
     """The rows that pass every filter {words: rows that pass (C,)}, and how many each filter was the first to remove.
 
     Raises InputError where none is left, with what each removed.

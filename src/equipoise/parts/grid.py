@@ -41,10 +41,12 @@ class MakeableGrid:
             raise InputError(f"no {empty[0]} to try", where="grid", hint=_sizes_between(self.series, low, high))
         d, w, n, share = (part.ravel() for part in np.meshgrid(*map(np.asarray, axes), indexing="ij"))
         # A hair less than the most that can be wound, so that rounding for the order stays below it.
-        bare = ExtensionSpring(d, w * d, n, grade=self.grade, loop=self.loop)
+        bare = ExtensionSpring.of_rows(wire=d, diameter=w * d, coils=n, grade=self.grade, loop=self.loop)
         tension = _rounded(np.asarray(share * bare.largest_tension))
         diameter = np.round(w * d / MM, 2) * MM
-        springs = ExtensionSpring(d, diameter, n, grade=self.grade, initial_tension=tension, loop=self.loop)
+        springs = ExtensionSpring.of_rows(
+            wire=d, diameter=diameter, coils=n, grade=self.grade, initial_tension=tension, loop=self.loop
+        )
         bad = {fault.reason: np.asarray(fault.rows) & np.ones(len(d), dtype=bool) for fault in springs.faults()}
         travel = np.asarray(springs.largest_force - springs.tension) / springs.k
         bad["no travel left beside the initial tension"] = ~(travel > 0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -69,6 +69,11 @@ class Part(Law):
                     raise InputError(fault.said, where=f"part {self.kind}", hint=fault.hint)
 
     kind: ClassVar[str] = ""
+
+    @classmethod
+    def of_rows(cls, **columns: Any) -> Self:
+        """Many parts at once: every field a column of rows (C,), or one value that all share."""
+        return cls(**columns)
 
     @property
     def defined_beyond(self) -> bool:

@@ -10,6 +10,9 @@ from typing import Any
 from equipoise.parameters import tag
 from equipoise.parts.part import Part
 
+FIELDS = ("name", "path", "law", "mass", "like", "mass_at")
+"""Of a spring, in the order in which a list gives them."""
+
 
 def plain(part: Part) -> dict[str, dict[str, Any]]:
     """{tag: {field: value}} of a part, SI, fields at their default left out."""
@@ -28,12 +31,13 @@ def with_parts(content: Mapping[str, Any], parts: Mapping[str, Part], bounds: Ma
     new.pop("pick", None)
     new.pop("start", None)
     for block in new["balancers"]:
-        spring = block.get("spring") if isinstance(block, Mapping) else None
+        if not isinstance(block, dict) or "spring" not in block:
+            continue
+        spring: Any = block["spring"]
         if isinstance(spring, list):
-            spring = dict(zip(("name", "path", "law", "mass", "like", "mass_at"), spring, strict=False))
-            block["spring"] = spring
-        name = spring.get("like") or spring.get("name") if isinstance(spring, dict) else None
-        if spring is not None and name in parts:
+            spring = block["spring"] = dict(zip(FIELDS, spring, strict=False))
+        name = str(spring.get("like") or spring["name"])
+        if name in parts:
             spring["law"] = plain(parts[name])
             if not isinstance(spring.get("mass", 0.0), int | float | str):
                 spring.pop("mass")

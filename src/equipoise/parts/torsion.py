@@ -43,7 +43,7 @@ class TorsionSpring(Helical):
     grade, an index outside 4..20 and fewer than 2 coils [fossee_bhandari, acxess_torsion].
     """
 
-    rest: Angle = 0.0
+    rest: Angle = 0.0  # pyright: ignore[reportIncompatibleMethodOverride]
     number: Number = 1.0
     winds: Literal["up", "down"] = "up"
     along: ClassVar[tuple[str, ...]] = ("rad",)

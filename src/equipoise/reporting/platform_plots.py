@@ -148,7 +148,7 @@ def tension_curves(sample: Sample) -> Figure | None:
         for limit in design.limits
         if isinstance(limit, Force | Tension) and reel_of(_named(sample, limit.spring)) is not None
         for bound in (limit.min, limit.max)
-        if bound is not None
+        if isinstance(bound, int | float)
     }
     reach = ax.get_ylim()[1]
     for bound in sorted(bound for bound in bounds if bound <= 1.3 * reach):

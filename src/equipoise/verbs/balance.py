@@ -37,6 +37,8 @@ NEAR = 0.5
 CUTS = 60
 SAVED = 20_000
 """States over which stored energy is judged."""
+EASED = 1e-6
+"""Relative excess of a limit on geometry alone that is let be."""
 BETWEEN_LENGTHS = 1e-10
 """Relative excess of a limit over an interval at its worst length."""
 
@@ -142,7 +144,7 @@ def settle(task: Task) -> Balanced:
     started, rounds, starts = len(task.sweep.poses), 0, STARTS
     while True:
         states = task.mechanism.states(task.sweep)
-        program = task.program(states)
+        program = _eased(task.program(states))
         program, solution = tightened(task, program)
         solution = saved(task, states, program, solution)
         # Rounding may leave a value outside its bounds by 1e-10 of its size.
@@ -156,6 +158,18 @@ def settle(task: Task) -> Balanced:
         task = replace(task, sweep=task.sweep.extended(found))
         # The hills found now are among the samples of the next round: a few starts follow them.
         starts = FEW
+
+
+def _eased(program: Program) -> Program:
+    """The program with rows of geometry alone kept that are exceeded by next to nothing.
+
+    No unknown can mend them, and a geometry shaped to its limits exceeds them by rounding.
+    """
+    return replace(program, rows=tuple(row if row.G.any() or row.equality else _let_be(row) for row in program.rows))
+
+
+def _let_be(row: Rows) -> Rows:
+    return replace(row, h=np.where(row.h > -EASED * row.scale, row.h.clip(0.0), row.h))
 
 
 def tightened(task: Task, program: Program) -> tuple[Program, Solution]:

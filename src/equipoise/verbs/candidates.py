@@ -186,7 +186,7 @@ class Work:
             rough = fit(self.many(states, rows[which], number[which]), *box, gamma, theta, self.load, steps)
             promise = rough.value + PRICE * self.load * rough.excess
             order = np.lexsort((promise, which)).reshape(count, -1)[:, :kept].ravel()
-            which, gamma, theta = (part[order] for part in (which, rough.gamma, rough.theta))
+            which, gamma, theta = which[order], rough.gamma[order], rough.theta[order]
         todo = np.arange(count)
         final, unknowns = np.zeros((count, len(lower))), np.zeros((count, theta.shape[1]))
         judged: Judged | None = None
@@ -230,7 +230,7 @@ class Judged:
                 terms = [term for term in one.terms if term.cap is None]
                 at = theta[start + k]
                 sizes = [term.magnitudes(term.residual(at)) for term in terms]
-                norms.append([norm_value(n, sizes[0], terms[0].weight) for n in ("peak", "rms", "mean")])  # type: ignore[arg-type]
+                norms.append([norm_value(n, sizes[0], terms[0].weight) for n in ("peak", "rms", "mean")])
                 value.append(one.objective(at))
                 gaps = [(row.excess(at).max() / row.scale, row.limit, row) for row in one.rows if row.h.size]
                 gap, words, row = max(gaps, key=lambda entry: entry[0], default=(0.0, "", None))
@@ -242,7 +242,7 @@ class Judged:
 
     def updated(self, at: Rows, other: Judged) -> Judged:
         """These parts with some judged anew."""
-        norms, value, excess, worst = (part.copy() for part in (self.norms, self.value, self.excess, self.worst))
+        norms, value, excess, worst = self.norms.copy(), self.value.copy(), self.excess.copy(), self.worst.copy()
         norms[at], value[at], excess[at], worst[at] = other.norms, other.value, other.excess, other.worst
         limit = list(self.limit)
         for place, words in zip(at, other.limit, strict=True):

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
-from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, judge
+from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, built, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
@@ -101,7 +101,7 @@ def discover(
         found.stopped = True
     if not found.designs:
         raise InfeasibleError(
-            "no subset of the candidates keeps the limits",
+            "no subset of the candidates gains anything within the limits",
             where="discover",
             hint="relax the limits, or widen margin and spacing",
         )
@@ -209,14 +209,16 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
     limits = (*refiner.limits, *parts.limits)
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
-    if found.values and best.value > found.values[-1] * (1 - BETTER):
+    least = found.values[-1] if found.values else refiner.bare
+    if best.value > least * (1 - BETTER):
         found.alternatives.append(Alternative(count, places, best.value, "one part more gains next to nothing"))
         return
     try:
         if parts.free:
-            design = descended(
+            shaped = descended(
                 refiner.mechanism, parts.balancers, sweep, parts.free, refiner.objective, limits, PRECISION
             )
+            design = built(parts, shaped)
         else:
             design = balance(refiner.mechanism, parts.balancers, sweep, objective=refiner.objective, limits=limits)
     except EquipoiseError as error:

@@ -1,5 +1,6 @@
 """Kinds of candidates."""
 
+from equipoise.discovery.kinds.cable_springs import CableSprings
 from equipoise.discovery.kinds.coils import Coils
 from equipoise.discovery.kinds.constant_force import ConstantForce
 from equipoise.discovery.kinds.counterweights import Counterweights
@@ -10,6 +11,7 @@ from equipoise.discovery.kinds.torsion_springs import TorsionSprings
 
 __all__ = [
     "Batch",
+    "CableSprings",
     "Coils",
     "ConstantForce",
     "Counterweights",

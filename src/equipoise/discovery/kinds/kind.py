@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.assemble import Balancer
+from equipoise.balancers.spring import Spring
 from equipoise.discovery.ground import Ground
 from equipoise.limits import Limit
 from equipoise.states import States
@@ -52,11 +53,16 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """A candidate as a balancer: its limits, the geometry that may move {parameter: (low, high)}, its own unknowns."""
+    """A candidate as a balancer: its limits, the geometry that may move {parameter: (low, high)}, its own unknowns.
+
+    measured makes of the shaped spring and its values what is built: what a search leaves open (the cable's length)
+    is cut to measure, and limits follow. None where nothing is.
+    """
 
     balancer: Balancer
     limits: tuple[Limit, ...] = ()
     free: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    measured: Callable[[Spring, Mapping[str, float]], tuple[Spring, tuple[Limit, ...]]] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,199 @@
+"""Coil springs that lie along a link and pull by a cable through a guide: zero free length, realised."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from equipoise.affine import Array
+from equipoise.balancers.laws import Coil, Law
+from equipoise.balancers.paths import Cable, Pulley
+from equipoise.balancers.spring import Spring
+from equipoise.discovery.ground import Group
+from equipoise.discovery.kinds.kind import Batch, Proposal, Scene
+from equipoise.discovery.kinds.lines import FAINT, LineKind, Lines
+from equipoise.discovery.lattice import Spots
+from equipoise.errors import InputError
+from equipoise.limits import Elongation, Extension, Force, Limit
+from equipoise.mechanism import Point
+from equipoise.units import Force as Newtons
+from equipoise.units import Length, Number
+
+LEAST = 0.02
+"""m: the shortest spring worth a thought; also the least share of its extension that keeps it taut."""
+STRAIGHT = 1e-6
+
+
+@dataclass(frozen=True)
+class CableSprings(LineKind):
+    """Coils along a link whose cable runs through a guide on that link to a hook on the other body.
+
+        f = k (l - L0),   l = ratio L + offset,   L0 = (room - fittings) / (1 + elongation),   l <= L0 (1 + elongation)
+
+    L is the cable's length from the spring's far end over the guide to the hook, which the offset (the cable's own
+    length, cut to measure) makes the spring's length l; with l - L0 = ratio d, d from guide to hook, it acts as a
+    spring of zero free length. room, m, is what the link offers from the guide to its end (default: by the link's
+    skeleton), fittings, m, what hooks and thimbles take of it; elongation the largest of the spring, a share of L0;
+    ratio that of a tackle, below 1 where the spring moves less than the cable; force in N the most of the spring.
+    radius, m, is that of a guide pulley, on planar pairs and where the cable keeps to one side of it; 0 is an eye, or
+    a fairlead of small rollers. Each link of a pair is tried as the one that carries the spring.
+    """
+
+    elongation: Number = 1.0
+    ratio: Number = 1.0
+    room: Length | None = None
+    fittings: Length = 0.04
+    radius: Length = 0.0
+    force: Newtons = 5000.0
+    variants: ClassVar[int] = 2
+
+    def __post_init__(self) -> None:
+        for name in ("elongation", "ratio", "force"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name} is {getattr(self, name):g}, it must be positive", where="discover")
+        for name in ("fittings", "radius"):
+            if getattr(self, name) < 0:
+                raise InputError(f"{name} is {getattr(self, name):g} m, it cannot be negative", where="discover")
+
+    @property
+    def words(self) -> str:
+        """Coil and cable."""
+        return "coil along a link with a cable through a guide"
+
+    @property
+    def most(self) -> float:
+        """The largest pull of the cable, N."""
+        return self.force * self.ratio
+
+    def batches(self, scene: Scene) -> list[Batch]:
+        """Two batches per pair: each body carries the spring once."""
+        found = []
+        for pair in [order for both in scene.pairs for order in (both, both[::-1])]:
+            lines = Lines.of(scene, pair)
+            group = scene.ground.group_of(pair[0].body)
+            rooms, _ = self.along(group, lines.a)
+            free = (rooms - self.fittings - self.radius) / (1 + self.elongation)
+            stroke = self.ratio * (lines.longest - lines.shortest)
+            reasons = {
+                "no motion changes its length": lines.longest - lines.shortest <= FAINT * lines.longest,
+                "no room for a spring along the link": free < LEAST,
+                "stroke above what a spring in the link's room can stretch": stroke > self.elongation * free,
+                "the cable does not keep to one side of the pulley": self._winds(scene, pair, lines, group),
+            }
+            kept = scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b)})
+            if kept.any():
+                found.append(self._carried(scene, lines.take(kept), free[kept], group))
+        return found
+
+    def along(self, group: Group, places: Array) -> tuple[Array, Array]:
+        """Room (C,), m, along the link from a guide to the link's farther end, and the way there (C, 3)."""
+        pieces = group.skeleton[:, 1] - group.skeleton[:, 0]
+        lengths = np.linalg.norm(pieces, axis=1)
+        longest = int(lengths.argmax())
+        if lengths[longest] < STRAIGHT:
+            return np.full(len(places), self.room or 0.0), np.tile([0.0, 0.0, -1.0], (len(places), 1))
+        unit = pieces[longest] / lengths[longest]
+        at = np.clip((places - group.skeleton[longest, 0]) @ unit, 0.0, lengths[longest])
+        outwards = lengths[longest] - at >= at
+        room = np.where(outwards, lengths[longest] - at, at)
+        return (
+            np.full(len(places), self.room) if self.room is not None else room,
+            np.where(outwards, 1.0, -1.0)[:, None] * unit,
+        )
+
+    def _winds(self, scene: Scene, pair: tuple[Spots, Spots], lines: Lines, group: Group) -> NDArray[np.bool_]:
+        """Whether a pulley with a radius is not wrapped on one and the same side at all poses."""
+        if not self.radius:
+            return np.zeros(len(lines), dtype=bool)
+        flat = scene.ground.normal(pair[0].body, pair[1].body)
+        if flat is None:
+            return np.ones(len(lines), dtype=bool)
+        wrap = self._wraps(scene, lines, group, flat[0])
+        return ~((wrap > 0.1).all(axis=0) | (wrap < -0.1).all(axis=0)) | (np.abs(wrap) > 2.2).any(axis=0)
+
+    def _wraps(self, scene: Scene, lines: Lines, group: Group, normal: Array) -> Array:
+        """Signed angle (N, C) by which the cable turns at the guide, counter-clockwise about the normal."""
+        states, (one, other) = scene.states, lines.bodies
+        turn = states.rotation(one)[0]
+        ends = [
+            states.point(Point(body, tuple(np.moveaxis(p[:, :, None], 1, 0))))[0]
+            for body, p in ((one, lines.a), (other, lines.b))
+        ]
+        onwards = np.einsum("nij,cni->cnj", turn, ends[1] - ends[0])
+        inwards = -self.along(group, lines.a)[1][:, None, :]
+        sine = (np.cross(inwards, onwards) * normal).sum(-1)
+        return np.arctan2(sine, (inwards * onwards).sum(-1)).T
+
+    def _carried(self, scene: Scene, lines: Lines, free: Array, group: Group) -> Batch:
+        """The batch of couples whose first body carries the spring."""
+        reach = self.elongation * free / self.ratio
+        slack = np.maximum(lines.longest - reach, 0.0)
+        tight = np.minimum(lines.shortest, lines.longest - LEAST * reach)
+        made = [self._dense(lines, {"free_length": start}) for start in (slack, tight)]
+        columns, upper = (np.concatenate([one[k] for one in made], axis=-1) for k in range(2))
+        rooms, way = self.along(group, lines.a)
+        flat = scene.ground.normal(*lines.bodies)
+        side = np.ones(len(lines))
+        if self.radius and flat is not None:
+            side = self._wraps(scene, lines, group, flat[0])[0]
+
+        def propose(index: int, name: str) -> Proposal:
+            at = index % len(lines)
+            start = float((slack, tight)[index // len(lines)][at])
+            return self._spring(name, lines, at, (float(rooms[at]), way[at], float(free[at])), start, side[at], flat)
+
+        place = f"{lines.place}, spring along {lines.bodies[0]}"
+        return Batch(place, columns, None, upper, np.tile(np.arange(len(lines)), 2), propose)
+
+    def _spring(
+        self,
+        name: str,
+        lines: Lines,
+        at: int,
+        room: tuple[float, Array, float],
+        start: float,
+        side: float,
+        flat: tuple[Array, Array, float] | None,
+    ) -> Proposal:
+        run, way, free = room
+        one, other = lines.bodies
+        guide, hook = ([float(v) for v in p[at]] for p in (lines.a, lines.b))
+        anchor = Point(one, tuple((lines.a[at] + run * way).tolist()))
+        options = {} if flat is None else {"axis": tuple(flat[0].tolist())}
+        pulley = Pulley(one, tuple(guide), self.radius, "left" if side > 0 else "right", **options)  # type: ignore[arg-type]
+        # l - L0 = ratio (d - start) for the free length that the room leaves.
+        offset = free - self.ratio * (run + start)
+        path = Cable((anchor, pulley, Point(other, tuple(hook))), self.ratio, offset)  # type: ignore[arg-type]
+        moving: dict[str, tuple[float, float]] = {}
+        for number, spots, across in ((1, lines.pair[0], np.abs(way) < STRAIGHT), (2, lines.pair[1], np.full(3, True))):
+            for axis, (low, high), may in zip("xyz", spots.box, across, strict=True):
+                if may and high - low > 1e-12:
+                    word = f"at.{axis}" if number == 1 else axis
+                    moving[f"{name}.path.through.{number}.{word}"] = (float(low), float(high))
+        force = Force(name, max=self.force)
+        stretched = Extension(name, max=self.elongation * free)
+
+        def measured(spring: Spring, values: Mapping[str, float]) -> tuple[Spring, tuple[Limit, ...]]:
+            found = spring.parameters(values).get("free_length", free)
+            cut = replace(spring.path, offset=spring.path.offset + free - found)  # type: ignore[attr-defined]
+            limit = Elongation(name, max=self.elongation, min=0.0)
+            return replace(spring, path=cut, law=Coil(free_length=free)), (force, limit)
+
+        limits = (force, stretched, Elongation(name, min=0.0))
+        return Proposal(Spring(name, path, Coil(free_length=None)), limits, moving, measured)
+
+    def open(self, numbers: Mapping[str, Array]) -> Law:
+        """The pull of the cable over the distance from guide to hook."""
+        return Coil(free_length=numbers["free_length"])  # type: ignore[arg-type]
+
+    def settled(self, one: Lines) -> Law:  # noqa: ARG002 - a chosen one is made by `_spring`
+        """A coil."""
+        return Coil(free_length=None)
+
+    def limits(self, name: str, one: Lines) -> tuple[Limit, ...]:  # noqa: ARG002
+        """Force."""
+        return (Force(name, max=self.force),)
