@@ -21,6 +21,7 @@ from equipoise.discovery.plain import plain_problem
 from equipoise.discovery.subsets import Search
 from equipoise.errors import InfeasibleError
 from equipoise.problem import load_problem, problem_of
+from equipoise.reporting.front_page import page
 from equipoise.yamlfile import Document
 
 G = 9.81
@@ -387,3 +388,18 @@ def test_a_pulley_with_a_radius_keeps_the_cable_on_one_side():
         wrap = path.taut(states).wrap[:, 1]
         assert wrap.min() > 0
         assert path.through[1].radius == 0.02
+
+
+def test_the_report_shows_the_front_what_lost_and_where_to_attach():
+    mech = arm()
+    front = eq.discover(mech, eq.Sweep.sobol(mech, 64), eq.Discover(2, candidates=400, contenders=2))
+    html = page(front)
+    assert html.count("<h2>With ") == len(front.designs) == 2
+    for design in front.designs:
+        for part in design.parts():
+            for end in part["ends"]:
+                assert f"{round(1e3 * end['at'][0], 2) + 0.0:.5g}" in html
+    assert "Alternatives considered" in html
+    assert all(one.reason.split()[0] in html for one in front.alternatives)
+    assert "as good, and it stores" in html or "after refinement" in html
+    assert "http" not in html.replace("http://www.w3.org", "")

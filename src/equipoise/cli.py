@@ -578,6 +578,7 @@ def _serve(found: Adjusted, stopped: bool, problem: Problem, json: bool, out: Pa
 def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:
     """Verify the designs of a front, write them, and say what there is to say."""
     from equipoise.discovery.ask import design_problem
+    from equipoise.reporting.front_page import page
     from equipoise.reporting.jsonfile import dumps
     from equipoise.verbs.verify import insist
     from equipoise.verbs.verify import verify as run
@@ -601,7 +602,10 @@ def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, s
         front = front.with_designs(tuple(made))
         if stage is not None:
             (stage / "front.json").write_text(dumps(front.json()), encoding="utf-8")
+            if not stopped:
+                (stage / "report.html").write_text(page(front), encoding="utf-8")
     lines += [f"front       {out / 'front.json'}"] if out is not None else []
+    lines += [f"report      {out / 'report.html'}"] if out is not None and not stopped else []
     say("\n".join([str(front), *lines]))
     if json:
         emit(front.json())

@@ -49,13 +49,17 @@ def page(design: Design, model: str) -> str:
         ],
         "\n",
     )
-    title = element("title", f"{design.mechanism.name} balanced")
+    return document(f"{design.mechanism.name} balanced", body)
+
+
+def document(title: str, body: Raw) -> str:
+    """A whole page of its own: nothing is loaded from elsewhere."""
     style = Raw((files("equipoise") / "reporting" / "page.css").read_text(encoding="utf-8"))
     head = join(
         [
             Raw('<meta charset="utf-8">'),
             Raw('<meta name="viewport" content="width=device-width, initial-scale=1">'),
-            title,
+            element("title", title),
             Raw(f"<style>\n{style}</style>"),
         ],
         "\n",
