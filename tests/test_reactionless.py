@@ -134,6 +134,9 @@ def test_the_command_and_its_mistakes(capsys):
     assert main(["conditions", file, "--goal", "torque"]) == 2
     assert main(["conditions", file, "--on", "wheel"]) == 2
     assert main(["conditions", file, "--for", "wheel"]) == 2
+    assert main(["conditions", file, "--reach", "-5 mm"]) == 2
+    assert main(["front", file, "--caps", "0.5 kg, 0.2 kg"]) == 2
+    assert main(["front", file, "--against", "weight"]) == 2
     capsys.readouterr()
 
 
