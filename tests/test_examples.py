@@ -79,8 +79,11 @@ def test_mass_table_arm():
     assert design.values["tail.m"] == pytest.approx((m2 * c2 + load * l2 / 2) / 0.12, rel=1e-4)
     upper, fore = design.after["upper_arm_joint"], design.after["forearm_joint"]
     assert upper.sample_peak / 60 <= fore.sample_peak / 20 * (1 + 1e-6)
-    # The grid is taken as it is: between its points, 4 degrees apart, the torque is a little higher.
-    assert upper.peak / 60 <= fore.peak / 20 * (1 + 5e-4)
+    # The grid is taken as it is: between its points the torque is higher by what its second differences allow.
+    table = design.residual(design.states)[:, 0].reshape(2, 31, 31)
+    bend = sum(np.abs(np.diff(table, 2, axis=axis)).max() / 8 for axis in (1, 2))
+    assert bend < 0.01 * upper.sample_peak
+    assert upper.sample_peak <= upper.peak <= upper.sample_peak + bend
     assert verify(design, poses=500).verification.agrees
 
 

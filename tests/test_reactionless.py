@@ -134,6 +134,9 @@ def test_the_command_and_its_mistakes(capsys):
     assert main(["conditions", file, "--goal", "torque"]) == 2
     assert main(["conditions", file, "--on", "wheel"]) == 2
     assert main(["conditions", file, "--for", "wheel"]) == 2
+    assert main(["conditions", file, "--reach", "-5 mm"]) == 2
+    assert main(["front", file, "--caps", "0.5 kg, 0.2 kg"]) == 2
+    assert main(["front", file, "--against", "weight"]) == 2
     capsys.readouterr()
 
 
@@ -288,3 +291,43 @@ def test_meshes_of_a_planetary_pair(three):
         assert one.reversals >= 1
         one_sided = (one.torque + one.preload).min() >= -1e-12 or (one.torque - one.preload).max() <= 1e-12
         assert one_sided
+
+
+def test_a_cap_counts_for_weights_that_no_residual_feels(bar):
+    """A point on the uniformly turning crank brings no moment: its mass must count in the cap all the same."""
+    weights = [eq.Counterweight(f"w_{b}", eq.Point(b, (-0.03, 0, 0))) for b in ("crank", "rocker")]
+    turn = eq.Sweep.motion(bar, {"crank_joint": "2*pi*t/T"}, duration=0.12, samples=61)
+    aims = [eq.Aim("moment"), eq.Aim("mass", cap=1.2)]
+    with pytest.raises(eq.InfeasibleError, match=r"force balanced in all motions and .*mass"):
+        eq.balance(bar, weights, turn, objective=aims, limits=[eq.Balanced("force")])
+    free = {"w_crank.at.x": (-0.06, -0.01), "w_rocker.at.x": (-0.08, -0.01)}
+    found = eq.shape(bar, weights, turn, free, objective=aims, limits=[eq.Balanced("force")], starts=2)
+    assert found.added_mass == pytest.approx(1.2, rel=1e-6)
+    assert found.geometry["w_crank.at.x"] * found.values["w_crank.m"] == pytest.approx(-0.01, rel=1e-8)
+    assert found.geometry["w_rocker.at.x"] * found.values["w_rocker.m"] == pytest.approx(-0.034375, rel=1e-8)
+
+
+def test_conditions_in_space():
+    """Ten parameters a body: what force balance asks of an arm on a turret, by hand."""
+    links = [
+        eq.Link("turret", length=0.2, mass=2.0, axis=(0, 0, 1)),
+        eq.Link("boom", length=0.5, mass=3.0, com=(0.2, 0.03, 0.05)),
+    ]
+    arm = eq.chain(links, gravity=(0, 0, 0))
+    found = eq.conditions(arm)
+    assert len(found.names) == 20
+    # the boom's origin lies on the turret's x axis; about its own axis y the boom must have mx = mz = 0
+    assert found.rank == 4
+    missing = dict(zip([found.names[i] for i in found.solved], found.missing, strict=True))
+    assert missing["boom.mx"] == pytest.approx(-0.6)
+    assert missing["boom.mz"] == pytest.approx(-0.15)
+    assert missing["turret.mx"] == pytest.approx(-(2.0 * 0.1 + 3.0 * 0.2))
+    assert missing["turret.my"] == pytest.approx(-0.09)
+    assert found.completion.possible
+    weights = [eq.Counterweight(f"w_{b}", eq.Point(b), reach=0.4, shape=eq.Solid()) for b in ("turret", "boom")]
+    least = eq.Aim("mass", norm="peak")
+    design = eq.balance(arm, weights, eq.Sweep.any_motion(arm, 16), objective=least, limits=[eq.Balanced("force")])
+    assert design.after["force"].peak < 1e-10 * design.before["force"].peak
+    lever = np.hypot(0.6, 0.15) / 0.4
+    # a little more than its own lever asks: first moment along y spares the turret
+    assert lever < design.values["w_boom.m"] < 1.01 * lever

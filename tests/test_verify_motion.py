@@ -138,3 +138,29 @@ def test_a_manipulator_with_twelve_gears_far_from_its_reference():
     assert fallen(found.motion)
     (_, turned), (_, fine) = found.motion.base.before, found.motion.base.after
     assert fine[1] < 1e-3 * turned
+
+
+ANCHORED = """<mujoco><worldbody>
+  <body name="crank" euler="0 -68.7549 0"><joint name="j1" axis="0 -1 0"/>
+    <geom type="capsule" fromto="0 0 0 .1 0 0" size=".01" mass=".2"/>
+    <body name="rod" pos=".1 0 0" euler="0 45.8366 0"><joint name="j2" axis="0 -1 0"/>
+      <geom type="capsule" fromto="0 0 0 .3 0 0" size=".01" mass=".5"/>
+      <body name="rock" pos=".3 0 0" euler="0 108.862 0"><joint name="j3" axis="0 -1 0"/>
+        <geom type="capsule" fromto="0 0 0 .25 0 0" size=".01" mass=".4"/></body></body></body>
+  </worldbody><equality><connect name="foot" body1="rock" anchor=".25 0 0"/></equality></mujoco>"""
+
+
+def test_a_loop_that_ends_on_the_world_leaves_the_base_free(tmp_path):
+    """A rod joined to the world by an anchor, not by a site: the base that floats takes the world's place."""
+    file = tmp_path / "linkage.xml"
+    file.write_text(ANCHORED)
+    linkage = eq.Mechanism.load(file, driven=["j1"], gravity=(0, 0, 0))
+    sweep = eq.Sweep.motion(linkage, {"j1": eq.Cycloidal(0.0, 0.8)}, duration=0.3, samples=121)
+    weight = eq.Counterweight("w", eq.Point("crank", (-0.08, 0, 0)))
+    design = eq.balance(linkage, [weight], sweep, objective=eq.Aim("force"))
+    check = eq.verify(design, poses=50).verification.motion
+    assert fallen(check)
+    assert "foot" in [bearing.name for bearing in eq.machine(linkage, sweep).bearings]
+    base = check.base
+    assert base.before[0] > 1e-3
+    assert base.after[1][0] < base.before[0]

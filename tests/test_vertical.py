@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from pathlib import Path
 
 import mujoco
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 import equipoise as eq
+from equipoise.cli import main
 from equipoise.problem import load_problem
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -138,3 +140,12 @@ def test_pinions_and_fusees_refuse_what_they_cannot_be():
         eq.balance(axis, [eq.Spring("s", cam, eq.Coil(0.1))], sweep)
     with pytest.raises(eq.InputError, match="cannot be negative"):
         eq.Weight(-1.0)
+
+
+def test_the_tilted_gantry(capsys):
+    """The best weight for 0 and 5 degrees halves what the cosine changes: m g (1 - cos 5 deg) / 2."""
+    assert main(["balance", str(EXAMPLES / "tilted_gantry.yaml"), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert len(data["cases"]) == 9
+    worst = max(case["after"]["z_joint"]["peak"] for case in data["cases"])
+    assert worst == pytest.approx(5 * G * (1 - np.cos(np.radians(5))) / 2, rel=1e-6)

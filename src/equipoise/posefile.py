@@ -60,6 +60,8 @@ def read_columns(mechanism: Mechanism, path: Path, own: Mapping[str, str]) -> di
 
 
 def _number(cell: str, unit: str, wanted: str, where: str) -> float:
+    if not cell.strip():
+        raise InputError("the value is missing", where=where, hint="fill the gap or leave the line out")
     try:
         value = float(cell)
     except ValueError:

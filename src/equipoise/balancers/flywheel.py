@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import mujoco
 import numpy as np
@@ -150,7 +150,8 @@ class Flywheel:
 
         span = float(np.ptp(stored))
         ends = (-float(stored.max()) - span, -float(stored.min()) + span)
-        return float(minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": 1e-10 * span}).x)
+        found: Any = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": 1e-10 * span})
+        return float(found.x)
 
     def install(self, spec: mujoco.MjSpec, values: Mapping[str, float], states: States) -> None:
         """Nothing at rest: the flywheel stands on the base."""

@@ -106,7 +106,7 @@ def close_beside(mechanism: Mechanism, motion: Motion, driven: Array) -> tuple[A
     q[:, model.jnt_qposadr[joints]] = driven
     for first in range(0, len(driven), _CHUNK):
         part = slice(first, first + _CHUNK)
-        parent = tree.query(driven[part][:, branch.places] / scale)[1]
+        parent = np.asarray(tree.query(driven[part][:, branch.places] / scale)[1])
         at = (knots.closed.rows(parent), knots.driven[parent], None)
         postures = _reached(mechanism, branch, evaluate, at, (driven[part], None)).q
         postures[:, model.jnt_qposadr[joints]] = driven[part]

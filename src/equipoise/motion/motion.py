@@ -15,6 +15,9 @@ from equipoise.mechanism import Mechanism
 from equipoise.motion.drivers import Driver, Samples, TimePolynomial, as_driver, increasing
 from equipoise.posefile import held, read_columns
 
+REGULAR, GAP = 8, 4.0
+"""Rows from which on a recording has a usual step, and how many of these one may be."""
+
 
 @dataclass(frozen=True, eq=False)
 class Motion:
@@ -64,6 +67,20 @@ def of_drivers(mechanism: Mechanism, drivers: Mapping[str, Any], duration: float
     return Motion(mechanism.driven, every, float(start), float(duration), float(duration))
 
 
+def _insist_on_no_gap(times: Array, path: Path) -> None:
+    """A recording that misses instants would be bridged by a spline that nobody measured."""
+    steps = np.diff(times)
+    usual = float(np.median(steps))
+    if len(times) >= REGULAR and steps.max() > GAP * usual:
+        row = int(steps.argmax())
+        raise InputError(
+            f"the recording has a gap: {times[row]:g} s is followed by {times[row + 1]:g} s, the usual step is "
+            f"{usual:.4g} s",
+            where=f"{path}, line {row + 3}",
+            hint="fill the gap, or record the motion anew",
+        )
+
+
 def read_motion(mechanism: Mechanism, path: Path) -> tuple[Motion, Array]:
     """A recorded motion and its times (N,), s: a CSV file with a column `time` and one per moving joint.
 
@@ -79,6 +96,7 @@ def read_motion(mechanism: Mechanism, path: Path) -> tuple[Motion, Array]:
     if len(times) < 2:
         raise InputError("a motion needs two rows at least", where=str(path))
     increasing(times, str(path))
+    _insist_on_no_gap(times, path)
     still = held(mechanism)
     drivers = tuple(
         Samples(times, columns[joint]) if joint in columns else TimePolynomial((float(place),))

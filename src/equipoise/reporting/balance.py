@@ -44,18 +44,21 @@ def completion_text(found: Completion, goal: str) -> str:
             return f"{goal}: balanced as it is"
         parts = [f"{name} {sig(value)}" for name, value in found.added.items() if abs(value) > 1e-9]
         return f"{goal} by added mass alone: possible, the least is {sig(found.mass or 0.0)} kg ({', '.join(parts)})"
+    more = "other bodies must carry it" if goal == "force" else "a counter-rotor or a flywheel must turn against it"
     if not found.form:
-        return f"{goal} by added mass alone: impossible; counter-rotation is needed"
+        return f"{goal} by added mass alone: impossible; {more}"
     why = "\n    + ".join(_share(share) for share in found.form)
     return (
         f"{goal} by added mass alone: impossible. The conditions together ask that this vanishes:\n      {why}\n"
-        "    which every body makes positive: a counter-rotor or a flywheel must turn against it"
+        f"    which every body makes positive: {more}"
     )
 
 
 def _share(share: Share) -> str:
     words = []
-    if share.second:
+    if share.second and len(share.centre) == 3:
+        words.append(f"second moments of {share.body}, {plain(share.second)} at most for one direction")
+    elif share.second:
         off = any(share.centre)
         where = f"its point ({', '.join(quantity(value, 'm') for value in share.centre)})" if off else "its joint"
         words.append(f"{plain(share.second)} x the moment of inertia of {share.body} about {where}")

@@ -38,8 +38,12 @@ def text(found: Comparison) -> str:
         "  ".join(c.ljust(w) if i in left else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True)))
         for row in rows
     ]
-    reasons = [f"  {entry.rank:>2}  {entry.family.name}: {entry.reason}" for entry in found.entries]
+    reasons = [f"  {entry.rank:>2}  {entry.family.name}: {entry.reason}{_cited(entry)}" for entry in found.entries]
     return "\n".join([headline(found), "", *(line.rstrip() for line in lines), "", *reasons])
+
+
+def _cited(entry: Entry) -> str:
+    return f" [{', '.join(entry.family.sources)}]" if entry.family.sources else ""
 
 
 def headline(found: Comparison) -> str:

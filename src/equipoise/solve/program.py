@@ -12,6 +12,8 @@ from equipoise.affine import Array, Indices, Unknown, magnitudes
 
 Norm = Literal["rms", "peak", "mean"]
 NORMS: tuple[Norm, ...] = ("rms", "peak", "mean")
+ROUNDING = 1e-12
+"""Share of the largest slope of its unit below which an unknown does not move a residual."""
 NEGLIGIBLE = 1e-6
 """A constant residual this small beside what the limits call up does not set the scale."""
 
@@ -148,7 +150,7 @@ class Program:
         for term in self.terms:
             load, slope = float(np.sqrt((term.b**2).mean())), np.sqrt((term.A**2).mean(axis=(0, 1)))
             if load > NEGLIGIBLE * self._called_up(slope):
-                size = np.maximum(size, slope / load)
+                size = np.maximum(size, self._felt(slope) / load)
         for rows in self.rows:
             if rows.h.size and not rows.fixed:
                 size = np.where(size > 0, size, np.abs(rows.G).max(axis=0) / rows.scale)
@@ -156,6 +158,14 @@ class Program:
             # one kg of matrix: an inertia that no residual feels must not be counted in rounding errors
             size = np.maximum(size, np.abs(definite.S).max(axis=(1, 2)))
         return 1.0 / np.where(size > 0, size, 1.0)
+
+    def _felt(self, slope: Array) -> Array:
+        """Slopes (P,) without those that are rounding errors beside the largest of their unit."""
+        largest: dict[str, float] = {}
+        for unknown, value in zip(self.unknowns, slope.tolist(), strict=True):
+            largest[unknown.unit] = max(largest.get(unknown.unit, 0.0), value)
+        floor = np.array([ROUNDING * largest[unknown.unit] for unknown in self.unknowns])
+        return np.where(slope > floor, slope, 0.0)
 
     @property
     def called_up(self) -> float:

@@ -345,7 +345,8 @@ def _finished(family: _Family, optima: Optima) -> Adjusted:
     ]
     every = (*family.unknowns, *(f.name for f in family.adjusted))
     adjusters = tuple(_adjuster(family, designs, name) for name in every)
-    peaks = tuple(max(row.peak for row in design.after.values()) for design in designs)
+    counted = {row for aim in family.tasks[0].objective for row in aim.counted(family.tasks[0].mechanism)}
+    peaks = tuple(max(design.after[row].peak for row in counted) for design in designs)
     shown = [replace(design, settings=Settings(i, family.labels, adjusters, peaks)) for i, design in enumerate(designs)]
     return Adjusted(family.labels, tuple(shown))
 

@@ -114,10 +114,13 @@ def _reasoned(task: Task, error: InfeasibleError) -> InfeasibleError:
     found = conditions(task.mechanism, asked.balanced, on=on).completion
     if found.possible:
         return error
+    more = (
+        "put counterweights on other bodies too" if asked.balanced == "force" else "add a counter-rotor or a flywheel"
+    )
     return InfeasibleError(
         f"{error.message}\n{completion_text(found, WORDS[asked.balanced])}",
         where=error.where,
-        hint="add a counter-rotor or a flywheel; `equipoise conditions` lists what masses must keep",
+        hint=f"{more}; `equipoise conditions` lists what masses must keep",
     )
 
 

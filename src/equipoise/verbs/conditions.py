@@ -112,7 +112,11 @@ def conditions(
         raise InputError(
             f"there is no goal {goal!r} for all motions", where="conditions", hint=nearest(goal, VANISHING)
         )
+    if reach is not None and not reach > 0:
+        raise InputError(f"the reach is {reach:g} m, it must be positive", where="conditions.reach")
     whole = frame(mechanism)
+    if not whole.parameters:
+        raise InputError("no joint moves anything", where=mechanism.name, hint="load a mechanism with joints")
     bodies = tuple(dict.fromkeys(p.body for p in whole.parameters))
     names = tuple(p.name for p in whole.parameters)
     order = _order(whole, solve_for, (*names, *bodies))

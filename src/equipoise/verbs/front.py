@@ -124,7 +124,7 @@ def front(
             hint="begin higher",
         )
     steps = []
-    for cap in caps:
+    for cap in caps or ():
         program, solution = tightened(
             task, replace(whole, terms=(*wanted, replace(cost, cap=max(cap, least * (1 + ABOVE)))))
         )

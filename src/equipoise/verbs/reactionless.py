@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.assemble import Balancer
 from equipoise.errors import InfeasibleError, InputError, LoopError, nearest
 from equipoise.loops import close_loops, tighten_loops
@@ -166,9 +166,14 @@ def _meets(mechanism: Mechanism, drivers: Mapping[str, Driver], duration: float,
             )
 
 
-def _integral(coefs: Array) -> Array:
+def _integral(coefs: Any) -> Array:
     """Chebyshev coefficients (NODES + 1, k) of the integrals from -1 of series (NODES, k)."""
     return np.stack([chebyshev.chebint(column, lbnd=-1.0) for column in coefs.T], axis=1)
+
+
+def _at(nodes: Array, coefs: Array) -> Array:
+    """Values (M, k) of Chebyshev series (., k) at nodes (M,)."""
+    return np.asarray(chebyshev.chebval(nodes, coefs), dtype=float).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +186,7 @@ class _Problem:
     balancers: Sequence[Balancer]
     values: Mapping[str, float]
     rows: Array
-    dofs: Array
+    dofs: Indices
 
     def integrate(self, q: Array) -> list[tuple[float, Array]]:
         """Pieces (start time, Chebyshev coefficients (NODES, nd)) from 0 to the duration."""
@@ -220,9 +225,9 @@ class _Problem:
             # dependent joints move along, so that Newton's steps find the loops nearly closed
             every = (D @ rates[..., None])[..., 0]
             grown = _integral(np.linalg.solve(into, every)) * (0.5 * step)
-            q = integrate(self.mechanism.model, np.repeat(begin, NODES, axis=0), chebyshev.chebval(nodes, grown).T)
+            q = integrate(self.mechanism.model, np.repeat(begin, NODES, axis=0), _at(nodes, grown))
             own = _integral(np.linalg.solve(into, rates)) * (0.5 * step)
-            new = first + chebyshev.chebval(nodes, own).T
+            new = first + _at(nodes, own)
             move, driven = float(np.abs(new - driven).max()), new
             q[:, places] = driven
             if not move < FARTHEST:
@@ -250,4 +255,4 @@ class _Problem:
             )
         right = np.zeros((len(q), matrix.shape[1]))
         right[:, : len(wanted)] = np.stack(wanted, axis=1)
-        return np.linalg.solve(matrix, right[..., None])[..., 0]
+        return np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0], dtype=float)

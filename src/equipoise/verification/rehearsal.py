@@ -235,4 +235,10 @@ def floating(plan: Rehearsal, design: Design, mass: float, radius: float, pole: 
     base.inertia = [mass * radius**2] * 3
     spec.attach(machine, prefix=PREFIX, frame=base.add_frame())
     spec.option.gravity = [0.0, 0.0, 0.0]
-    return silent(compile_spec(spec, plan.machine.name), design, PREFIX)
+    model = silent(compile_spec(spec, plan.machine.name), design, PREFIX)
+    # loops that end on the world itself end on the base, which stands in the world's place
+    on_bodies = np.isin(model.eq_type, [int(kind) for kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD)])
+    on_bodies &= model.eq_objtype == int(mujoco.mjtObj.mjOBJ_BODY)
+    for ends in (model.eq_obj1id, model.eq_obj2id):
+        ends[on_bodies & (ends == 0)] = model.body("base of the verification").id
+    return model

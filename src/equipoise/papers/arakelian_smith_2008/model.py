@@ -13,7 +13,7 @@ import equipoise as eq
 from equipoise.affine import Array
 from equipoise.momentum import inertial_effort, momentum, pseudo_inertia, wrench
 
-T = TypeVar("T")
+Datum = TypeVar("Datum")
 LEGS = (1, 2, 3)
 L = 0.18
 SIDE = 0.1
@@ -74,7 +74,7 @@ WHEEL = replace(EXACT, platform=0.015)
 WHEEL_INERTIA = 0.01
 
 
-def thrice(value: T) -> tuple[T, T, T]:
+def thrice(value: Datum) -> tuple[Datum, Datum, Datum]:
     """The same for all three legs."""
     return value, value, value
 
