@@ -82,7 +82,7 @@ def _rooted(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(mechanism, Mapping):
         model = mechanism.get("model")
         if isinstance(model, str) and not model.startswith("package:"):
-            content["mechanism"] = {**mechanism, "model": str((folder / model).resolve())}
+            content["mechanism"] = {**dict(mechanism), "model": str((folder / model).resolve())}
     return content
 
 

@@ -209,7 +209,7 @@ class Problem:
         block: Any = self.raw["mechanism"]
         key = next(iter(block)) if isinstance(block, Mapping) else block
         own = {} if isinstance(block, str) else block[key]
-        whole = {**block, **changes} if "model" in block else {key: {**(own or {}), **changes}}
+        whole = {**dict(block), **changes} if "model" in block else {key: {**(own or {}), **changes}}
         kept = {name: value for name, value in self.raw.items() if name not in ("cases", "adjust", "tilt")}
         with self.at("cases", index):
             other = problem_of(Document("", kept | {"mechanism": whole}), self.folder)

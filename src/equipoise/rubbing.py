@@ -14,7 +14,6 @@ from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.friction import Friction
 from equipoise.states import States
-from equipoise.sweep import Sweep
 
 POSES = 500
 STEP = 1e-4
@@ -85,8 +84,7 @@ def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:
         raise InputError("a dead band is one of holding still", where="friction", hint="use the goal hold")
     mechanism, sweep = design.mechanism, design.sweep
     keep = np.unique(np.linspace(0, len(sweep.poses) - 1, min(POSES, len(sweep.poses))).astype(int))
-    few = sweep.thinned(keep)
-    states = mechanism.states(few)
+    states = mechanism.states(sweep.thinned(keep))
     joints = [mechanism.driven.index(name) for name in design.objective[0].counted(mechanism)]
     springs = [balancer for balancer in design.balancers if isinstance(balancer, Spring)]
     by_part = {spring.name: drags(spring, states, design.values, friction) for spring in springs}
@@ -97,7 +95,7 @@ def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:
     left = np.abs(design.residual(states))[:, joints] - total[:, joints]
     worst = left.argmax(axis=1)
     moves = left.max(axis=1) > 0
-    falling = _falling(design, few, states)[np.arange(len(states)), np.array(joints)[worst]]
+    falling = _falling(design, states)[np.arange(len(states)), np.array(joints)[worst]]
     units = dict(zip(mechanism.driven, mechanism.driven_units, strict=True))
     rows = {
         mechanism.driven[j]: Drag(
@@ -116,15 +114,10 @@ def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:
     )
 
 
-def _falling(design: Design, few: Sweep, states: States) -> Mask:
+def _falling(design: Design, states: States) -> Mask:
     """Whether each joint's residual (N, nd) falls as it gives way: the joint's own stiffness is positive."""
-    found = np.zeros_like(states.driven, dtype=bool)
-    for joint in range(states.driven.shape[1]):
-        step = np.zeros(states.driven.shape[1])
-        step[joint] = STEP
-        there, back = (
-            design.residual(design.mechanism.states(few.at_poses(few.poses + sign * step)))[:, joint]
-            for sign in (1, -1)
-        )
+    found = np.zeros(states.driven.shape, dtype=bool)
+    for joint, step in enumerate(STEP * np.eye(states.driven.shape[1])):
+        there, back = (design.residual(states.nearby(states.driven + sign * step))[:, joint] for sign in (1, -1))
         found[:, joint] = there > back
     return found

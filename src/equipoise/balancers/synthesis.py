@@ -148,7 +148,7 @@ class _Task:
                 hint="prescribe other positions, or change the spring",
             )
         middle, step = float(scan[values.argmin()]), float(scan[1] - scan[0])
-        found = minimize_scalar(
+        found: Any = minimize_scalar(
             self.residual, bounds=(middle - step, middle + step), method="bounded", options={"xatol": 1e-9 * middle}
         )
         return float(found.x) if found.fun <= values.min() else middle

@@ -108,7 +108,8 @@ def _ring(centre: Array, axis: Array, radius: Array, turns: int = 1) -> Array:
     first /= np.linalg.norm(first)
     second: Array = np.cross(axis / np.linalg.norm(axis), first)
     angle = np.linspace(0.0, 2 * np.pi * turns, len(radius))[:, None]
-    return centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
+    ring: Array = centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
+    return ring
 
 
 def _spring(ax: Axes, a: Array, b: Array, width: float, colour: str) -> None:

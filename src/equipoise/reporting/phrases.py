@@ -379,7 +379,7 @@ def next_steps(design: Design) -> list[str]:
     bounds = [active.limit for active in c.active if active.limit.split(" ")[0] in design.geometry]
     if bounds:
         steps.append(f"widen the bound {limit_words(bounds[0])} if there is room")
-    elif dear := [active for active in c.active if not is_natural(active)]:
+    elif dear := [active for active in c.active if not (is_natural(active) or _is_the_purpose(active))]:
         steps.append(f"relax {limit_words(dear[0].limit)}: it costs most")
     if not design.geometry and c.kind == "convex" and not c.floors:
         steps.append("free the attachment points (`shape` in the problem file)")
@@ -388,6 +388,11 @@ def next_steps(design: Design) -> list[str]:
     if not steps and design.verification is None:
         steps.append("verify in simulation and write the report")
     return steps[:2]
+
+
+def _is_the_purpose(active: Active) -> bool:
+    """Whether the limit is what the design is made for: balance in all motions, exact poses."""
+    return "balanced in all motions" in active.limit or active.limit.startswith("exact")
 
 
 def verified_words(design: Design) -> str:

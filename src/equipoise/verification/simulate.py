@@ -98,7 +98,7 @@ def unseen(design: Design, count: int, seed: int) -> tuple[States, str]:
     near = sweep.poses[rng.integers(len(sweep.poses), size=count)]
     near = near + JITTER * np.ptp(sweep.poses, axis=0) * rng.standard_normal(near.shape)
     tries.append((np.clip(near, limits[:, 0], limits[:, 1]), f"{count} random poses near the sweep's"))
-    if sweep.instants is not None:
+    if sweep.instants is not None and sweep.domain is not None:
         time = sweep.domain[0, 0] + rng.random((count, 1)) * np.ptp(sweep.domain)
         return mechanism.states(sweep.at(time)), f"{count} random instants of the motion, at rest"
     for poses, where in tries:
