@@ -403,3 +403,16 @@ def test_the_report_shows_the_front_what_lost_and_where_to_attach():
     assert all(one.reason.split()[0] in html for one in front.alternatives)
     assert "as good, and it stores" in html or "after refinement" in html
     assert "http" not in html.replace("http://www.w3.org", "")
+
+
+def test_ctrl_c_returns_what_is_finished():
+    mech = arm()
+
+    def stop(done, most, value):
+        raise KeyboardInterrupt
+
+    front = eq.discover(mech, eq.Sweep.sobol(mech, 64), eq.Discover(3, candidates=400, contenders=1), progress=stop)
+    assert front.stopped
+    assert [len(design.balancers) for design in front.designs] == [1]
+    assert "stopped by hand" in str(front)
+    assert front.json()["stopped"]

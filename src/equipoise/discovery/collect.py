@@ -156,7 +156,7 @@ def _spots(
         for pair in pairs:
             for aside in asides if ground.normal(*pair) else asides[:1]:
                 made = lattice(ground, pair, spacing, margin, aside)
-                found.append(tuple(own.get(spots.body, spots) for spots in made))
+                found.append((own.get(made[0].body, made[0]), own.get(made[1].body, made[1])))
         count = sum(len(a.places) * len(b.places) for a, b in found)
         if count <= request.candidates:
             return tuple(found), spacing

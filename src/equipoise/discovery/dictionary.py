@@ -96,7 +96,7 @@ class Dictionary:
     def compress(self, emphasis: Array | None = None, fixed: Array | None = None) -> Compressed:
         """Rank compression under the rows' weights, times an emphasis (S, rows) where one is given.
 
-        The range is found from random combinations of columns, as many as it takes [halko_martinsson_tropp_2011].
+        The range is found from random combinations of columns, as many as it takes.
         fixed (rows, n) are columns that are there already at a known level: they join the load.
         """
         every = np.ones_like(self.loads) if emphasis is None else emphasis

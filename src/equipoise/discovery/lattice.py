@@ -49,7 +49,7 @@ def lattice(ground: Ground, pair: tuple[str, str], spacing: float, margin: float
         group = ground.group_of(body)
         box = np.stack([group.low - margin, group.high + margin], axis=1)
         if flat is not None:
-            normal = flat[index]
+            normal = (flat[0], flat[1])[index]
             axis = int(np.abs(normal).argmax())
             if all(1.0 - np.abs(n).max() < ALIGNED for n in flat[:2]):
                 at = np.sign(normal[axis]) * (aside + (flat[2] if index == 0 else 0.0))

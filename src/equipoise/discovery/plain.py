@@ -43,7 +43,7 @@ def plain(value: Any) -> Any:
     """A value as YAML would hold it; raises InputError for what no problem file can say."""
     if isinstance(value, Point):
         return [value.body, *(float(v) for v in value.at)]
-    if is_dataclass(value) and not isinstance(value, type):
+    if is_dataclass(value):
         return {_tag(type(value)): _fields(value)}
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
@@ -51,7 +51,8 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     if isinstance(value, bool) or value is None or isinstance(value, str | int):
         return value
-    return float(value)
+    number: Any = value
+    return float(number)
 
 
 def plain_limit(limit: Limit) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from equipoise.affine import Array, Unknown
+from equipoise.affine import Array, Geometry, Unknown
 from equipoise.assemble import Balancer, effort, storage
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
@@ -78,7 +78,7 @@ def built(parts: Parts, design: Design) -> Design:
         certificate=design.certificate,
         geometry=design.geometry,
         bounds=design.bounds,
-        units=found.units | {name: design.units[name] for name in design.geometry},
+        units=dict(found.units) | {name: design.units[name] for name in design.geometry},
         refined=design.refined,
     )
 
@@ -133,7 +133,7 @@ class Refiner:
         freedoms = [Freedom(n, unit_of(parts.balancers, n), *parts.free[n]) for n in names]
         start = np.array([read(parts.balancers, name) for name in names], dtype=float)
 
-        def build(gamma: Array) -> Program:
+        def build(gamma: Geometry) -> Program:
             return task.program(self.states, candidates(task.balancers, names, gamma))
 
         local: Local = descend(build, freedoms, start, load, iterations=ITERATIONS, precision=PRECISION)

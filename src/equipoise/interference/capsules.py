@@ -6,6 +6,7 @@ import functools
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.discovery.ground import Ground, Group
@@ -35,7 +36,7 @@ class Capsule:
         """Both ends (N, 3) in the world."""
         return states.point(Point(self.body, self.start))[0], states.point(Point(self.body, self.end))[0]
 
-    def holds(self, places: Array) -> Array:
+    def holds(self, places: Array) -> NDArray[np.bool_]:
         """Whether places (..., 3) of its own body lie in it or on it."""
         one, other = (np.array(end) for end in (self.start, self.end))
         return closest(places, places, one, other) <= self.radius + INSIDE

@@ -48,12 +48,12 @@ class Avoid:
 def rooms(states: States, line: Line, radius: float | None) -> list[tuple[str, Array]]:
     """How far, m, a line (or candidates of one) stays outside of each capsule that counts (..., N), by its body."""
     mechanism = states.mechanism
-    ends = tuple(states.point(point)[0] for point in (line.a, line.b))
-    at = tuple((_group(mechanism, point), _local(mechanism, point)) for point in (line.a, line.b))
+    a, b = (states.point(point)[0] for point in (line.a, line.b))
+    one, other = ((_group(mechanism, point), _local(mechanism, point)) for point in (line.a, line.b))
     found = []
-    for capsule, counts in shell(mechanism, radius).foreign(*at):
+    for capsule, counts in shell(mechanism, radius).foreign(one, other):
         start, end = capsule.piece(states)
-        room = closest(*ends, start, end) - capsule.radius
+        room = closest(a, b, start, end) - capsule.radius
         if not counts.all():
             room = np.where(counts.reshape(-1, 1) if room.ndim > 1 else counts[0], room, 1.0)
         found.append((capsule.body, room))

@@ -13,7 +13,7 @@ from equipoise.discovery.words import CAUSES
 from equipoise.reporting import style, tables
 from equipoise.reporting.drawing import drawing
 from equipoise.reporting.html import document
-from equipoise.reporting.markup import Raw, element, image, join, listing, section, table
+from equipoise.reporting.markup import Raw, element, image, join, listing, prose, section, table
 from equipoise.reporting.numbers import sig
 from equipoise.reporting.sample import Sample
 from equipoise.units import text
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, HEIGHT = 8.0, 3.4
+NOTHING = 1e-4
+"""Share of the value before below which the drawing does not look."""
 WIDE = 30.0
 """Ratio of values above which the front is drawn on a logarithmic scale."""
 
@@ -82,20 +84,28 @@ def chart(front: Discovery) -> Figure:
     figure = style.figure(WIDTH, HEIGHT)
     ax = figure.subplots()
     counts, values = (np.array(part, dtype=float) for part in zip(*_points(front), strict=True))
+    values = np.maximum(values, NOTHING * front.before)
     lost = [(one.springs, one.value) for one in front.alternatives if np.isfinite(one.value)]
     if lost:
         ax.plot(*zip(*lost, strict=True), "o", color=style.LINK, markersize=5, zorder=1)
     ax.plot(counts, values, "-o", color=style.AFTER, markersize=6, zorder=3)
     ax.plot(counts[:1], values[:1], "o", color=style.BEFORE, markersize=7, zorder=4)
-    for count, value in zip(counts, values, strict=True):
+    for count, value, true in zip(counts, values, [one for _, one in _points(front)], strict=True):
         ax.annotate(
-            sig(float(value), 3), (count, value), xytext=(7, 6), textcoords="offset points", color=style.INK, fontsize=9
+            sig(true if true > 1e-9 * front.before else 0.0, 3),
+            (count, value),
+            xytext=(7, 6),
+            textcoords="offset points",
+            color=style.INK,
+            fontsize=9,
         )
     floor = max((bound.value for bound in front.bounds), default=0.0)
     if floor > 0:
         ax.axhline(floor, color=style.LIMIT, lw=1.0, ls="--", zorder=2)
     if values.max() > WIDE * max(float(values.min()), 1e-300) and values.min() > 0:
         ax.set_yscale("log")
+        ax.yaxis.set_major_formatter(lambda value, _: sig(value, 1))
+        ax.yaxis.set_minor_formatter(lambda *_: "")
     else:
         ax.set_ylim(bottom=0.0)
     ax.set_xticks(np.arange(int(counts.max()) + 1))
@@ -142,8 +152,9 @@ def _design(front: Discovery, index: int) -> Raw:
         )
     inner = tables.parts(design)
     title = f"With {count} part{'s' * (count > 1)}: {text(front.values[index], front.unit)}"
-    folder = element("p", "Files: ", element("code", f"{front.folder(design)}/design.json"), ", which `verify`, ",
-                     "`report` and `shape` accept.")  # fmt: skip
+    folder = element(
+        "p", prose(f"File: `{front.folder(design)}/design.json`, which `verify`, `report` and `shape` accept.")
+    )
     return join([section(title, picture, folder), inner])
 
 

@@ -25,6 +25,8 @@ from equipoise.verbs.shape import descended, thinned
 JUDGED = 40
 """Subsets per number of springs that are judged by the objective's own norm."""
 EXCESS = 1e-5
+NOTHING = 1e-6
+"""Share of the bare value below which nothing is left."""
 FEW = 256
 """Poses over which contenders are refined."""
 ALIKE = 0.01
@@ -81,9 +83,10 @@ def discover(
     search = Search.of(compressed, collection.dictionary.spots)
     ranked = search.best(request.springs, keep=JUDGED)
     bounds = bounds_of(collection, sweep, aim)
-    found = _Found(floor=max((bound.value for bound in bounds), default=0.0))
+    found = _Found()
     few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
+    found.floor = max([bound.value for bound in bounds] + [NOTHING * refiner.bare])
     try:
         for count in range(1, request.springs + 1):
             if found.values and found.values[-1] <= found.floor * (1 + ALIKE):

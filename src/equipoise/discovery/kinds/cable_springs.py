@@ -26,6 +26,8 @@ from equipoise.units import Length, Number
 LEAST = 0.02
 """m: the shortest spring worth a thought; also the least share of its extension that keeps it taut."""
 STRAIGHT = 1e-6
+LEAST_WRAP, MOST_WRAP = 0.1, 2.2
+"""rad: what a pulley with a radius is wrapped by at all poses."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,8 @@ class CableSprings(LineKind):
         if flat is None:
             return np.ones(len(lines), dtype=bool)
         wrap = self._wraps(scene, lines, group, flat[0])
-        return ~((wrap > 0.1).all(axis=0) | (wrap < -0.1).all(axis=0)) | (np.abs(wrap) > 2.2).any(axis=0)
+        sided = (wrap > LEAST_WRAP).all(axis=0) | (wrap < -LEAST_WRAP).all(axis=0)
+        return np.asarray(~sided | (np.abs(wrap) > MOST_WRAP).any(axis=0))
 
     def _wraps(self, scene: Scene, lines: Lines, group: Group, normal: Array) -> Array:
         """Signed angle (N, C) by which the cable turns at the guide, counter-clockwise about the normal."""
