@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +29,7 @@ def turned(spring: Spring, states: States, angle: float, swapped: bool = False) 
         return spring
     if spring.masses:
         return None
-    path = spring.path
+    path: Any = spring.path
     if isinstance(path, Line):
         moved = _line(path, states, angle, swapped)
     elif isinstance(path, Driven):
@@ -38,11 +39,10 @@ def turned(spring: Spring, states: States, angle: float, swapped: bool = False) 
     return None if moved is None else replace(spring, path=moved)
 
 
-def _mounted(path: Driven, mechanism: Mechanism, angle: float, swapped: bool) -> Driven | None:
+def _mounted(path: Any, mechanism: Mechanism, angle: float, swapped: bool) -> Driven | None:
     if swapped and not isinstance(path, InvertedSliderCrank):
         return None
     if swapped:
-        assert isinstance(path, InvertedSliderCrank)
         path = replace(path, crank=path.distance, distance=path.crank)
     mount = path.at(mechanism.model)
     e, f, _ = mount.frame
@@ -99,6 +99,6 @@ def plane_of(spring: Spring, states: States) -> tuple[Array, Array]:
     elif isinstance(spring.path, Line):
         hinge = _hinge(spring.path, states)
         axis = axis if hinge is None else hinge[1]
-    first = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    first = np.asarray(np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())]), dtype=np.float64)
     first /= np.linalg.norm(first)
-    return first, np.cross(axis, first)
+    return first, np.asarray(np.cross(axis, first), dtype=np.float64)

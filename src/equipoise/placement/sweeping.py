@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.balancers.spring import Spring
@@ -90,10 +91,10 @@ class Raster:
     corner: Array
     cell: float
 
-    def cover(self, parts: Sequence[Limb], width: float) -> Array:
+    def cover(self, parts: Sequence[Limb], width: float) -> NDArray[np.bool_]:
         """Which cells (CELLS, CELLS) bands of a width along the segments pass over in any state."""
         mask = np.zeros((CELLS, CELLS), dtype=bool)
-        centres = self.corner + self.cell * (np.stack(np.indices((CELLS, CELLS)), axis=-1) + 0.5)
+        centres = self.corner + self.cell * (np.moveaxis(np.indices((CELLS, CELLS)), 0, -1) + 0.5)
         flat = centres.reshape(-1, 2)
         reach = max(0.5 * width, 0.75 * self.cell)
         for part in parts:

@@ -76,6 +76,7 @@ def bracket(
     whole = bounds.astype(float)
     queue: list[tuple[float, int, Array]] = [(0.0, 0, whole)]
     count, stopped, floor = 1, False, high
+    boxes: list[tuple[float, int, Array]] = []
     target = high * (1 - share)
     try:
         while queue and queue[0][0] < target and count < most:
@@ -179,7 +180,7 @@ def _theta_range(
         return found
     A = np.stack([part[0] for part in linear], axis=-1)
     root = np.sqrt(weight)[None, :, None]
-    inverse = np.linalg.pinv(A * root) * np.swapaxes(root, 1, 2)
+    inverse: Array = np.asarray(np.linalg.pinv(A * root) * np.swapaxes(root, 1, 2), dtype=np.float64)
     # |B r| row by row, by the dual norm.
     scale = np.sqrt((inverse**2 / weight).sum(axis=-1)) if norm == "rms" else _dual(inverse, weight, norm)
     with np.errstate(invalid="ignore", over="ignore"):

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 
@@ -174,7 +175,7 @@ def _shifted(a: Interval) -> Interval:
 def _sine(a: Interval) -> Interval:
     low, high = np.sin(a[0]), np.sin(a[1])
 
-    def holds(place: float) -> Array:
+    def holds(place: float) -> NDArray[np.bool_]:
         """Whether place + 2 pi n lies within."""
         turns = np.ceil((a[0] - place) / (2 * np.pi))
         return place + 2 * np.pi * turns <= a[1]

@@ -48,7 +48,7 @@ def certify(
     kept = states.take(np.flatnonzero(states.weight > 0)) if aim.norm != "peak" else states
     columns, scale = aim.columns(design.mechanism)
     opened = write(design.balancers, dict(design.geometry))
-    enclosing = Enclosing(opened, names, kept, columns, scale, design.limits)
+    enclosing = Enclosing(opened, names, kept, columns.astype(np.intp), scale, design.limits)
     weight = np.tile(kept.weight / kept.weight.sum(), len(columns))
     bounds = np.array([design.bounds[name] for name in names])
     theta = np.array([[u.lower, u.upper] for u in enclosing.unknowns]).reshape(-1, 2)

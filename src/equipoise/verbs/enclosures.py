@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.assemble import Balancer
 from equipoise.balancers.laws import Coil, Constant, Linear, Torsion, WireMass, ZeroFreeLength
 from equipoise.balancers.paths import InvertedSliderCrank, Line, ScotchYoke
@@ -32,7 +32,7 @@ class Enclosing:
     balancers: tuple[Balancer, ...]
     names: tuple[str, ...]
     states: States
-    columns: Array
+    columns: Indices
     scale: Array
     limits: tuple[Limit, ...] = ()
 
@@ -121,7 +121,7 @@ def _free(item: Any) -> bool:
     return is_dataclass(item) and any(_free(getattr(item, field.name)) for field in fields(item))
 
 
-def _path(path: Any, states: States, columns: Array, G: int) -> tuple[Jet, list[Jet]]:
+def _path(path: Any, states: States, columns: Indices, G: int) -> tuple[Jet, list[Jet]]:
     """Length and its slope along every joint."""
     if not _free(path):
         length, rate = path.deform(states)
@@ -148,7 +148,7 @@ def _path(path: Any, states: States, columns: Array, G: int) -> tuple[Jet, list[
     raise _unbounded(f"path {tag(type(path))}")
 
 
-def _point(point: Point, states: States, columns: Array, G: int) -> tuple[list[Jet], list[list[Jet]]]:
+def _point(point: Point, states: States, columns: Indices, G: int) -> tuple[list[Jet], list[list[Jet]]]:
     """World position (3) and Jacobian (3, R) of a point whose coordinates may be jets: affine in them."""
     place, slope = states.point(Point(point.body))
     units = [states.point(Point(point.body, tuple(float(i == k) for i in range(3)))) for k in range(3)]  # type: ignore[arg-type]
