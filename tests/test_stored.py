@@ -23,7 +23,7 @@ def agrees(mechanism, part):
     rng = np.random.default_rng(1)
     poses = rng.uniform((-0.2, 0.4), (1.0, 1.6), (40, 2))
     states = mechanism.states(eq.Sweep(poses, np.ones(len(poses)), "random"))
-    size = {"Pa": 1e6, "N/m": 300.0, "N": 40.0, "N m/rad": 5.0, "N m": 3.0}
+    size = {"Pa": 1e6, "N/m": 300.0, "N": 40.0, "N m/rad": 5.0, "N m": 3.0, "kg": 2.0}
     values = {unknown.name: size[unknown.unit] * (1 + 0.3 * i) for i, unknown in enumerate(part.unknowns)}
     spec = mechanism.spec.copy()
     part.install(spec, values, states)
