@@ -97,7 +97,6 @@ def conditions(
     reach: Annotated[str | None, typer.Option("--reach", help="How far from its joint, such as '50 mm'.")] = None,
 ) -> int:
     """What masses must keep so that nothing shakes in any motion, and whether added mass alone can do it."""
-    from equipoise.reporting.jsonfile import dumps
     from equipoise.targets import target_of
     from equipoise.units import to_si
     from equipoise.verbs.conditions import conditions as run
@@ -105,13 +104,7 @@ def conditions(
     mechanism = target_of(file).problem.mechanism
     far = None if reach is None else to_si(reach, "m", "--reach")
     found = run(mechanism, cast("Any", goal), solve_for=solve_for or (), on=on, reach=far)
-    say(str(found))
-    with staging(out) as stage:
-        if stage is not None:
-            (stage / "conditions.json").write_text(dumps(found.json()), encoding="utf-8")
-    if json:
-        emit(found.json())
-    return 0
+    return _found(found, "conditions.json", json, out)
 
 
 @app.command()
@@ -364,19 +357,12 @@ def side_by_side(
     out: Out = None,
 ) -> int:
     """Several designs over one motion: mass, inertia, shaking, torque, power and work beside each other."""
-    from equipoise.reporting.jsonfile import dumps
     from equipoise.solving import found_design
     from equipoise.verbs.side_by_side import side_by_side as run
 
     designs = {Path(file).stem: found_design(file, "side-by-side")[0] for file in files}
     found = run(designs)
-    say(str(found))
-    with staging(out) as stage:
-        if stage is not None:
-            (stage / "side_by_side.json").write_text(dumps(found.json()), encoding="utf-8")
-    if json:
-        emit(found.json())
-    return 0
+    return _found(found, "side_by_side.json", json, out)
 
 
 @app.command()
@@ -453,6 +439,19 @@ def _picked(found: Design, problem: Problem, request: Pick, json: bool, out: Pat
             (stage / f"candidates_{choice.spring}.csv").write_text(choice.ranking.table(), encoding="utf-8")
     say(f"{chosen}\n")
     return _reported(chosen.design, real, json, out, stopped=False)
+
+
+def _found(found: Any, name: str, json: bool, out: Path | None) -> int:
+    """An answer that is no design: in words, as a file of that name where a folder is asked for, and as JSON."""
+    from equipoise.reporting.jsonfile import dumps
+
+    say(str(found))
+    with staging(out) as stage:
+        if stage is not None:
+            (stage / name).write_text(dumps(found.json()), encoding="utf-8")
+    if json:
+        emit(found.json())
+    return 0
 
 
 def _told(found: Design, problem: Problem, out: Path | None) -> Design:

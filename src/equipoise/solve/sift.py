@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from equipoise.affine import Array, Indices
+from equipoise.seeding import generator
 from equipoise.solve.program import Program
 
 
@@ -78,5 +79,5 @@ def evenly(count: int, dims: int, seed: int) -> Array:
     for _ in range(64):
         root = (1 + root) ** (1 / (dims + 1))
     steps = (1 / root) ** np.arange(1, dims + 1)
-    offset = np.random.default_rng(seed).random(dims)
+    offset = generator(seed).random(dims)
     return (offset + np.arange(1, count + 1)[:, None] * steps) % 1.0
