@@ -61,7 +61,7 @@ class Collection:
     def reached(self) -> set[int]:
         """Numbers of the joints that some candidate acts on."""
         mechanism = self.scene.ground.mechanism
-        if mechanism.model.neq or not all(kind.lines for kind in self.request.kinds):
+        if mechanism.model.neq or not all(kind.lines for kind in self.request.tried):
             return set(range(mechanism.model.njnt))
         pairs = [(a.body, b.body) for a, b in self.scene.pairs]
         return {joint for pair in pairs for joint in self.scene.ground.between(*pair)}
@@ -100,7 +100,7 @@ def collect(mechanism: Mechanism, sweep: Sweep, request: Discover, aim: Aim) -> 
     moving = tuple(body for body in ground.groups if ground.between("world", body) and _carries(ground, body))
     bodies = _bodies(ground, moving, request, margin, spacing)
     scene = Scene(ground, bare, counted, spots, found.worth, bodies, _keeper(request, bare), Counter())
-    batches = tuple(batch for kind in request.kinds for batch in kind.batches(scene))
+    batches = tuple(batch for kind in request.tried for batch in kind.batches(scene))
     if not batches:
         raise InfeasibleError(
             f"no candidate is left: {removed(scene.refused)}",
@@ -201,7 +201,7 @@ def _used(
     """Which counted rows are loaded, or may become so."""
     mechanism = ground.mechanism
     spanned = {joint for pair in pairs for joint in ground.between(*pair)}
-    weights = not all(kind.lines for kind in request.kinds)
+    weights = not all(kind.lines for kind in request.tried)
     loads = np.abs(states.holding).max(axis=0)
     return np.array(
         [

@@ -105,6 +105,11 @@ class Refined:
     value: float
     excess: float
     energy: float
+    values: Mapping[str, float]
+
+    def of(self, balancer: Balancer) -> dict[str, float]:
+        """The unknowns of one balancer by parameter."""
+        return {u.name.removeprefix(f"{balancer.name}."): self.values[u.name] for u in balancer.unknowns}
 
 
 class Refiner:
@@ -144,7 +149,7 @@ class Refiner:
         energy = storage(parts.balancers, self.states)
         place = {unknown.name: value for unknown, value in zip(solution.program.unknowns, solution.theta, strict=True)}
         stored = energy.at(np.array([place[unknown.name] for unknown in energy.unknowns])).sum(axis=-1)
-        return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)))
+        return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)), place)
 
 
 def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[int]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
+from equipoise.discovery.making import wound
 from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, built, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
@@ -17,8 +18,10 @@ from equipoise.interference.findings import clashes
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
+from equipoise.parts.makeable import Makeable
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
+from equipoise.units import text
 from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import descended, thinned
 
@@ -95,7 +98,7 @@ def discover(
             if count in ranked:
                 _one(found, collection, refiner, ranked[count], count, aim)
                 if found.refined is not None:
-                    _finish(found, refiner, sweep, aim)
+                    _finish(found, refiner, sweep, aim, request.make)
             if progress:
                 progress(count, request.springs, found.values[-1] if found.values else float("nan"))
     except KeyboardInterrupt:
@@ -204,12 +207,11 @@ def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[Subs
     return chosen[: collection.request.contenders]
 
 
-def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
+def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, make: Makeable | None) -> None:
     """Shape the refined parts over the whole sweep; a design that is hardly better than the one before is told."""
     best = found.refined
     assert best is not None
     parts = best.parts
-    limits = (*refiner.limits, *parts.limits)
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
     least = found.values[-1] if found.values else refiner.bare
@@ -217,6 +219,8 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
         found.alternatives.append(Alternative(count, places, best.value, "one part more gains next to nothing"))
         return
     try:
+        parts = parts if make is None else wound(refiner, best, make)
+        limits = (*refiner.limits, *parts.limits)
         if parts.free:
             shaped = descended(
                 refiner.mechanism, parts.balancers, sweep, parts.free, refiner.objective, limits, PRECISION
@@ -233,3 +237,6 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
         return
     found.designs.append(design)
     found.values.append(value)
+    if make is not None:
+        words = f"{text(best.value, aim.unit(refiner.mechanism))} before rounding to sizes, and without own masses"
+        found.notes.append(f"with {count}: {words}")

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.balancers.laws import Law, ZeroFreeLength
-from equipoise.discovery.kinds.kind import Batch, Proposal
+from equipoise.discovery.kinds.cable_springs import CableSprings
+from equipoise.discovery.kinds.kind import Batch, Kind, Proposal
 from equipoise.discovery.kinds.lines import LineKind, Lines
 from equipoise.limits import Force, Limit, Stroke
+from equipoise.parts.makeable import Makeable
 from equipoise.units import Force as Newtons
 from equipoise.units import Length, text
 
@@ -45,6 +47,10 @@ class Ideal(LineKind):
         if self.stroke is None:
             return {}
         return {f"stroke above {text(self.stroke, 'm')}": lines.longest - lines.shortest > self.stroke}
+
+    def made(self, make: Makeable) -> Kind:
+        """What acts like it and can be wound: a coil along a link behind a cable."""
+        return CableSprings(force=self.force, make=make)
 
     def batch(self, lines: Lines) -> Batch:
         """The pair's generators and the products of the places; no column is spelled out."""

@@ -20,6 +20,7 @@ from equipoise.states import States
 
 if TYPE_CHECKING:
     from equipoise.discovery.lattice import Spots
+    from equipoise.parts.makeable import Makeable
 
 Counted = Callable[[Array], Array]
 """Effort (..., N, nd) to the rows (..., N R) that the objective counts, scaled."""
@@ -106,8 +107,10 @@ class Kind(ABC):
     sources: ClassVar[tuple[str, ...]] = ()
     lines: ClassVar[bool] = False
     """Whether its candidates are couples of points on pairs of bodies."""
-    variants: ClassVar[int] = 1
-    """Columns per couple of points."""
+
+    def made(self, make: Makeable) -> Kind:  # noqa: ARG002 - kinds that are no wound springs stay
+        """The kind with springs that can be wound."""
+        return self
 
     @abstractmethod
     def batches(self, scene: Scene) -> list[Batch]:

@@ -171,12 +171,17 @@ class LineKind(Kind):
             ratio = force / np.maximum(length, 1e-300)
             columns[:, part] = (lines.form.pull @ lines.products(part)) * np.repeat(ratio, blocks, axis=0)
             most[part] = self.most / np.maximum(np.abs(force).max(axis=0), 1e-300)
-        return columns, most
+        return columns, self.allowed(lines, law, most)
+
+    def allowed(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:  # noqa: ARG002 - kinds differ
+        """The most of each unknown (C,), where the force limit alone leaves `most`."""
+        return most
 
     def proposal(self, lines: Lines, index: int, name: str) -> Proposal:
         """The spring on one couple."""
         one = lines.take(np.array([index]))
-        return Proposal(Spring(name, self.path(one), self.settled(one)), self.limits(name, one), one.free(name))
+        free = {**one.free(name), **self.freed(name)}
+        return Proposal(Spring(name, self.path(one), self.settled(one)), self.limits(name, one), free)
 
     def path(self, one: Lines) -> Path:
         """The path of a single couple."""
@@ -202,6 +207,10 @@ class LineKind(Kind):
     @abstractmethod
     def settled(self, one: Lines) -> Law:
         """The law of a chosen couple, with everything open that the program can find."""
+
+    def freed(self, name: str) -> Mapping[str, tuple[float, float]]:  # noqa: ARG002 - kinds differ
+        """Bounds of numbers of the law that may move, by parameter."""
+        return {}
 
     @abstractmethod
     def limits(self, name: str, one: Lines) -> tuple[Limit, ...]:
