@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -20,19 +21,34 @@ DIGITS = 2
 PLAY = 0.25
 """Share of a spring's closed length by which its cable may still be cut longer or shorter."""
 
+PRICE = 30.0
+"""What a limit that is not kept costs, per unit of relative excess, in units of the bare load."""
 
-def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Parts:
-    """Parts whose springs are wound of wire sizes kept in stock to round diameters, coils and initial tensions.
+Turned = tuple[Spring, dict[str, tuple[float, float]] | None, tuple[Limit, ...]]
+"""A spring made more definite, what of it may still move (None: as before), and its further limits."""
+Turn = Callable[[Spring, Mapping[str, float], Array], Turned]
 
-    First wire, diameter and number in parallel are rounded and everything else is refined again with the springs' own
-    masses; then coils and initial tension. What may still move are hooks, leaders and the lengths of cables. Raises
-    InfeasibleError where a spring cannot be wound.
+
+def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:
+    """The refined parts with springs of stocked wire, round diameters, coils and initial tensions.
+
+    First the springs' own masses join, with wire and index still free; then wire, diameter and number in parallel are
+    rounded, to the lightest and to the nearest that serve, and everything else is refined again around each; then
+    coils and initial tension of the better one. What may still move then are hooks, leaders and the lengths of
+    cables. Raises InfeasibleError where a spring cannot be wound.
     """
-    sized = refiner.refine(_each(refiner, refined, lambda *spring: _sized(make, *spring)))
-    return _each(refiner, sized, lambda *spring: _ordered(make, *spring))
+    heavy = refiner.refine(_each(refiner, refined, _weighed))
+    choices = [_each(refiner, heavy, partial(_sized, make, which)) for which in (0, -1)]
+    sized = min((refiner.refine(choice) for choice in choices), key=_merit(refiner))
+    again = refiner.refine(_each(refiner, sized, _weighed))
+    return refiner.refine(_each(refiner, again, partial(_ordered, make)))
 
 
-def _each(refiner: Refiner, refined: Refined, turn) -> Parts:  # type: ignore[no-untyped-def]
+def _merit(refiner: Refiner) -> Callable[[Refined], float]:
+    return lambda refined: refined.value + PRICE * refiner.bare * refined.excess
+
+
+def _each(refiner: Refiner, refined: Refined, turn: Turn) -> Parts:
     """The parts with every spring that is still to be wound turned into something more definite."""
     balancers, limits = [], list(refined.parts.limits)
     free = dict(refined.parts.free)
@@ -40,25 +56,27 @@ def _each(refiner: Refiner, refined: Refined, turn) -> Parts:  # type: ignore[no
         if not (isinstance(balancer, Spring) and isinstance(balancer.law, WindableSpring)):
             balancers.append(balancer)
             continue
-        free = {name: bounds for name, bounds in free.items() if not name.startswith(f"{balancer.name}.law.")}
         length = balancer.path.deform(refiner.states)[0]
         turned, freed, own = turn(balancer, refined.of(balancer), length)
+        if freed is not None:
+            free = {name: bounds for name, bounds in free.items() if not name.startswith(f"{balancer.name}.law.")}
+            free |= freed
         limits = [limit for limit in limits if not _replaced(limit, turned)] + list(own)
-        free |= freed
         balancers.append(turned)
     return Parts(tuple(balancers), tuple(limits), free)
 
 
-Turned = tuple[Spring, dict[str, tuple[float, float]], tuple[Limit, ...]]
-
-
-def _sized(make: Makeable, spring: Spring, values: Mapping[str, float], length: Array) -> Turned:
-    """Wire, diameter and number rounded; its own mass by the coils that it has now."""
+def _weighed(spring: Spring, values: Mapping[str, float], length: Array) -> Turned:  # noqa: ARG001 - like the others
+    """With its own mass, by the coils that it has now."""
     law: WindableSpring = spring.law  # type: ignore[assignment]
-    k, product = values["k"], values["k_free_length"]
-    chosen = make.chosen(law, k, product, length)
-    sample = replace(chosen.sample, coils=max(chosen.coils_of(k), chosen.sample.coils))
-    return replace(spring, law=chosen, mass=float(sample.own_mass)), {}, ()
+    return replace(spring, mass=law.own_mass_at(values["k"])), None, ()
+
+
+def _sized(make: Makeable, which: int, spring: Spring, values: Mapping[str, float], length: Array) -> Turned:
+    """Wire, diameter and number rounded."""
+    law: WindableSpring = spring.law  # type: ignore[assignment]
+    chosen = make.round(law, values["k"], values["k_free_length"], length)[which]
+    return replace(spring, law=chosen, mass=chosen.own_mass_at(values["k"])), {}, ()
 
 
 def _ordered(make: Makeable, spring: Spring, values: Mapping[str, float], length: Array) -> Turned:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
-from equipoise.balancers.paths import Cable, Line, Pulley
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.interference.axes import passed
-from equipoise.limits.avoid import rooms
+from equipoise.limits.avoid import rooms, runs
 from equipoise.units import text
 
 AT_MOST = 4096
@@ -41,7 +39,7 @@ def clashes(design: Design, radius: float | None = None) -> tuple[Clash, ...]:
     states = design.states.take(slice(None, None, 1 + len(design.states) // AT_MOST))
     found = []
     for spring in design.balancers:
-        for line in lines(spring) if isinstance(spring, Spring) else ():
+        for line in runs(spring) if isinstance(spring, Spring) else ():
             for body, room in rooms(states, line, radius):
                 if room.min() < 0:
                     found.append(Clash(spring.name, body, float(-room.min()), float((room < 0).mean())))
@@ -50,12 +48,3 @@ def clashes(design: Design, radius: float | None = None) -> tuple[Clash, ...]:
             found += [Clash(spring.name, joint, 0.0, 0.0) for joint, crossed in over.items() if crossed[0]]
     return tuple(found)
 
-
-def lines(spring: Spring) -> tuple[Line, ...]:
-    """The straight runs of a spring or its cable between bodies that differ; pulleys count by their centres."""
-    if isinstance(spring.path, Line):
-        return (spring.path,)
-    if not isinstance(spring.path, Cable):
-        return ()
-    points = [item.centre if isinstance(item, Pulley) else item for item in spring.path.through]
-    return tuple(Line(a, b) for a, b in pairwise(points) if a.body != b.body)

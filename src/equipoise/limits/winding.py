@@ -30,6 +30,9 @@ def winding(spring: Spring, setting: Setting) -> list[Rows]:
         made.row("tension", -length, 1.0, 0.0, scale=most),
         made.row("coils", LEAST_COILS * np.atleast_1d(law.wire), 0.0, stack, scale=stack),
     ]
+    if law.heaviest is not None:
+        rate = np.atleast_1d(law.least_rate)
+        rows.append(made.row("mass", -np.ones_like(rate), 0.0, -rate, scale=rate))
     if law.room is None:
         rows.append(made.row("closed length", hooks - length, 0.0, -stack, scale=stack))
         rows.append(made.row("initial tension", np.atleast_1d(hooks), -1.0, tension - stack, scale=stack))

@@ -13,7 +13,7 @@ from equipoise.errors import InputError
 from equipoise.parts.helical import INDEX, LEAST_COILS
 from equipoise.parts.windable import WindableSpring
 from equipoise.parts.wire import MM, Series, grade, preferred_sizes
-from equipoise.units import Length, Number, text
+from equipoise.units import Length, Mass, Number, text
 
 INDICES = 8
 """Spring indices that are looked at."""
@@ -29,7 +29,8 @@ class Makeable:
 
     grade of the wire, the series of its sizes (`metric`, `inch`), wire (least, largest), m; index (least, largest) of
     D / d; width, m, the largest outside diameter; loop the height of a loop over the inside diameter. step, m, is what
-    mean coil diameters are rounded to, turn what coils are. Raises InputError where no size is left.
+    mean coil diameters are rounded to, turn what coils are; mass, kg, the most that a spring with those in parallel to
+    it may weigh. Raises InputError where no size is left.
     """
 
     grade: str = "EN 10270-1 SH"
@@ -41,6 +42,7 @@ class Makeable:
     loop: Number = 1.0
     step: Length = 0.5 * MM
     turn: Number = 0.5
+    mass: Mass | None = None
 
     def __post_init__(self) -> None:
         low, high = self.index
@@ -48,9 +50,10 @@ class Makeable:
             raise InputError(
                 f"the index runs from {low:g} to {high:g}", where="make.index", hint="[5, 12], within 4 to 20"
             )
-        for name in ("width", "parallel", "loop", "step", "turn"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"{name} is {getattr(self, name):g}, it must be positive", where=f"make.{name}")
+        for name in ("width", "parallel", "loop", "step", "turn", "mass"):
+            value = getattr(self, name)
+            if value is not None and not value > 0:
+                raise InputError(f"{name} is {value:g}, it must be positive", where=f"make.{name}")
         if not len(self.sizes):
             first, last = self.wire or grade(self.grade).range
             raise InputError(
@@ -82,7 +85,7 @@ class Makeable:
 
     def law(self, wire: Any, index: Any, number: Any, room: float | None = None) -> WindableSpring:
         """A spring still to be wound, or rows of them."""
-        return WindableSpring(wire, index, number, self.grade, self.loop, room, self.width)
+        return WindableSpring(wire, index, number, self.grade, self.loop, room, self.width, self.mass)
 
     @cached_property
     def options(self) -> WindableSpring:
@@ -92,10 +95,11 @@ class Makeable:
         return self.law(d[slim], C[slim], float(self.parallel))
 
     @cached_property
-    def _shares(self) -> tuple[Array, Array, Array, Array]:
-        """Per option (O,): a = S / F_max, b = F0_max / F_max, H, m, and F_max, N."""
+    def _shares(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Per option (O,): a = S / F_max, b = F0_max / F_max, H, m, F_max, N, and the most that its mass can stretch."""
         law, most = self.options, np.asarray(self.options.largest_force)
-        return np.asarray(law.stack) / most, np.asarray(law.largest_tension) / most, np.asarray(law.hooks), most
+        reach = most / np.maximum(law.least_rate, 1e-12)
+        return np.asarray(law.stack) / most, np.asarray(law.largest_tension) / most, np.asarray(law.hooks), most, reach
 
     def least_free(self, short: Array, long: Array) -> Array:
         """Least free length L0 (C,), m, of springs hooked on straight at lengths short to long (C,); inf where none.
@@ -121,8 +125,8 @@ class Makeable:
         """
 
         def reach(stroke: Array, room: Array) -> Array:
-            a, b, hooks, _ = self._shares
-            found = np.minimum((room - hooks) / (1 + a - b), (room - hooks - stroke) / a)
+            a, b, hooks, _, far = self._shares
+            found = np.minimum(np.minimum((room - hooks) / (1 + a - b), (room - hooks - stroke) / a), far)
             return np.where(found >= stroke, found, -np.inf)
 
         return self._over(reach, (stroke, room), np.maximum, -np.inf)
@@ -131,15 +135,16 @@ class Makeable:
         """The stiffest springs behind a cable at extensions of up to (C,), m: their rate (C,), N/m, and the option."""
 
         def force(stroke: Array, room: Array, extension: Array) -> Array:
-            a, b, hooks, most = self._shares
+            a, b, hooks, most, far = self._shares
             fits = (a * extension + hooks + stroke <= room) & ((1 + a - b) * extension + hooks <= room)
+            fits &= extension <= far
             return np.where(fits, most / extension, 0.0)
 
         return self._best(force, (stroke, room, extension * (1 - 1e-9)))
 
     def _least(self, short: Array, long: Array) -> Array:
-        a, b, hooks, _ = self._shares
-        found = np.maximum(long - (short - hooks) / a, ((a - b) * long + hooks) / (1 + a - b))
+        a, b, hooks, _, far = self._shares
+        found = np.maximum(long - np.minimum((short - hooks) / a, far), ((a - b) * long + hooks) / (1 + a - b))
         return np.where(found < short, np.maximum(found, 0.0), np.inf)
 
     def _over(self, value: Any, numbers: tuple[Array, ...], pick: np.ufunc, none: float) -> Array:
@@ -161,33 +166,47 @@ class Makeable:
             tuple(one[start : start + step, None] for one in wide) for start in range(0, len(wide[0]), step)
         ]
 
-    def chosen(self, law: WindableSpring, k: float, product: float, length: Array) -> WindableSpring:
-        """Of wire sizes kept in stock and round diameters the fewest springs in parallel that serve, then the lightest.
+    def round(self, law: WindableSpring, k: float, product: float, length: Array) -> list[WindableSpring]:
+        """The lightest and the nearest of all springs of stocked wire and round diameter that serve; or the nearest.
 
         law says what was found with free wire and index, k, N/m, and product k L0, N, its values over lengths (N,).
-        Where nothing serves quite, what misses least.
+        The lightest is that of the fewest in parallel.
         """
-        low, high = float(length.min()), float(length.max())
+        rows = self._round(law.room)
+        short = _misses(rows, k, product, float(length.min()), float(length.max()))
+        mass = np.asarray(rows.mass_of(rows.stack / (rows.wire * k)))
+        near = np.abs(np.log(rows.wire / law.wire)) + np.abs(np.log(rows.index / law.index)) + 0.1 * rows.number
+        near = near + 0.1 * np.abs(rows.number - law.number)
+        serves = short <= -RESERVE
+        orders = [np.lexsort((mass, rows.number, ~serves, np.where(serves, 0.0, short)))]
+        orders.append(np.lexsort((near, np.where(short <= 0.0, 0.0, short))))
+        picked = list(dict.fromkeys(int(order[0]) for order in orders))
+        return [
+            self.law(float(rows.wire[at]), float(rows.index[at]), float(rows.number[at]), law.room) for at in picked
+        ]
+
+    def _round(self, room: float | None) -> WindableSpring:
+        """All stocked wires with round diameters, one to `parallel` of each: rows."""
         diameters = np.arange(1, int(self.width / self.step) + 1) * self.step
-        d, D, N = (
-            part.ravel()
-            for part in np.meshgrid(self.sizes, diameters, np.arange(1.0, self.parallel + 1), indexing="ij")
-        )
-        fits = (D / d >= self.index[0]) & (D / d <= self.index[1]) & (D + d <= self.width * (1 + 1e-9))
-        d, D, N = d[fits], D[fits], N[fits]
-        rows = self.law(d, D / d, N, law.room)
-        stack, hooks, most = rows.stack, rows.hooks, rows.largest_force
-        tension = rows.largest_tension
-        misses = [(k * high - product) / most - 1, LEAST_COILS * k * d / stack - 1]
-        if law.room is None:
-            misses += [(stack + hooks * k) / (k * low) - 1, (stack + hooks * k - product - tension) / (k * low)]
-        else:
-            closed = stack + hooks * k
-            misses += [
-                (closed + k * high - product - tension) / (k * law.room) - 1,
-                (closed + k * (high - low)) / (k * law.room) - 1,
-            ]
-        miss = np.maximum(np.max(misses, axis=0), -RESERVE)
-        mass = N * d**2 * D * stack / (k * d)
-        best = int(np.lexsort((mass, N, miss))[0])
-        return self.law(float(d[best]), float(D[best] / d[best]), float(N[best]), law.room)
+        axes = (self.sizes, diameters, np.arange(1.0, self.parallel + 1))
+        d, D, N = (part.ravel() for part in np.meshgrid(*axes, indexing="ij"))
+        index = D / d
+        fits = (index >= self.index[0]) & (index <= self.index[1]) & (D + d <= self.width * (1 + 1e-9))
+        return self.law(d[fits], index[fits], N[fits], room)
+
+
+def _misses(rows: WindableSpring, k: float, product: float, low: float, high: float) -> Array:
+    """By what share (O,) rows of springs miss what serves with k, N/m, and k L0, N, from length low to high, m."""
+    stack, tension = np.asarray(rows.stack), np.asarray(rows.largest_tension)
+    closed = stack + rows.hooks * k
+    found = [
+        (k * high - product) / np.asarray(rows.largest_force) - 1,
+        LEAST_COILS * k * rows.wire / stack - 1,
+        rows.least_rate / k - 1,
+    ]
+    if rows.room is None:
+        found += [closed / (k * low) - 1, (closed - product - tension) / (k * low)]
+    else:
+        needed = closed + k * (high - low)
+        found += [(closed + k * high - product - tension) / (k * rows.room) - 1, needed / (k * rows.room) - 1]
+    return np.max(np.broadcast_arrays(*found), axis=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,7 +14,7 @@ from equipoise.errors import InfeasibleError, InputError
 from equipoise.parts import coil
 from equipoise.parts.extension import ExtensionSpring
 from equipoise.parts.helical import LEAST_COILS
-from equipoise.units import Length, Number, text
+from equipoise.units import Length, Mass, Number, text
 
 EASE = 1e-6
 """Relative excess that counts as rounding."""
@@ -35,8 +35,8 @@ class WindableSpring(Law):
 
     and hooked straight on, S + H k <= k l: closed at most at the shortest length, a rod (leader) making up the rest;
     or in a room, m, along a link behind a cable, S + H k + f(l) - min(F0_max, f(l_min)) <= k room. F_max and F0_max are
-    strength and largest initial tension of an `ExtensionSpring`. (C + 1) d <= width, m, the largest outside diameter.
-    Its own mass is not known before it is wound. Raises InputError for a wire outside its grade, an index outside
+    strength and largest initial tension of an `ExtensionSpring`. (C + 1) d <= width, m, the largest outside diameter;
+    n d k = S also makes a largest own mass, heaviest, kg, a least rate. Its own mass follows only once it is wound. Raises InputError for a wire outside its grade, an index outside
     4..20 and lengths that are not positive.
     """
 
@@ -47,13 +47,14 @@ class WindableSpring(Law):
     loop: Number = 1.0
     room: Length | None = None
     width: Length | None = None
+    heaviest: Mass | None = None
     sources: ClassVar[tuple[str, ...]] = ExtensionSpring.sources
     # What a coil answers where rate and free length are found.
     k: ClassVar[None] = None
     free_length: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        for name in ("wire", "index", "number", "room", "width"):
+        for name in ("wire", "index", "number", "room", "width", "heaviest"):
             value = getattr(self, name)
             if isinstance(value, int | float) and not value > 0:
                 raise InputError(f"{name} is {value:g}, it must be positive", where="law windable_spring")
@@ -88,6 +89,27 @@ class WindableSpring(Law):
         return self.number * self.sample.largest_tension
 
     @property
+    def least_rate(self) -> Any:
+        """The softest springs in parallel, N/m, that are not too heavy: those with the most coils."""
+        if self.heaviest is None:
+            return 0.0
+        bare, coils = self.mass_of(0.0), self.mass_of(1.0) - self.mass_of(0.0)
+        left = np.asarray(self.heaviest - bare)
+        none = np.real(left) <= 0
+        return np.where(none, np.inf, self.stack / self.wire * coils / np.where(none, 1.0, left))[()]
+
+    def mass_of(self, coils: Any) -> Any:
+        """Own mass, kg, of all in parallel with so many active coils."""
+        sample = self.sample
+        wire = coil.wire_mass(sample.wire, sample.diameter, sample.total_coils - sample.coils + coils, self.density)
+        return self.number * wire
+
+    @property
+    def density(self) -> float:
+        """Density of the wire, kg/m^3."""
+        return self.sample.material.density
+
+    @property
     def outside(self) -> Any:
         """Outside diameter (C + 1) d of one spring, m."""
         return (self.index + 1) * self.wire
@@ -115,6 +137,10 @@ class WindableSpring(Law):
     def coils_of(self, k: float) -> float:
         """Active coils n of springs with the rate k, N/m, of all in parallel."""
         return float(self.stack / (self.wire * k))
+
+    def own_mass_at(self, k: float) -> float:
+        """Own mass, kg, of springs with the rate k, N/m, of all in parallel."""
+        return float(self.mass_of(self.coils_of(k)))
 
     def tensions(self, k: float, product: float, length: Array) -> tuple[float, float]:
         """Least and largest initial tension, N, of all in parallel, with which lengths (N,) can be served."""

@@ -32,6 +32,8 @@ NOTHING = 1e-6
 """Share of the bare value below which nothing is left."""
 FEW = 256
 """Poses over which contenders are refined."""
+WOUND = 2
+"""Refined choices per number of springs that are wound, where that is asked for."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
 
@@ -47,6 +49,7 @@ class _Found:
     alternatives: list[Alternative] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     refined: Refined | None = None
+    made: Refined | None = None
     floor: float = 0.0
     stopped: bool = False
 
@@ -96,9 +99,9 @@ def discover(
                 found.notes.append(f"the floor is reached with {len(found.designs[-1].balancers)}: no more were tried")
                 break
             if count in ranked:
-                _one(found, collection, refiner, ranked[count], count, aim)
-                if found.refined is not None:
-                    _finish(found, refiner, sweep, aim, request.make)
+                _one(found, collection, refiner, ranked[count], count, aim, request.make)
+                if found.refined is not None and found.made is not None:
+                    _finish(found, refiner, sweep, aim, found.refined, found.made)
             if progress:
                 progress(count, request.springs, found.values[-1] if found.values else float("nan"))
     except KeyboardInterrupt:
@@ -151,7 +154,15 @@ def _before(design: Design, aim: Aim) -> float:
     return replace(design, after=design.before).reached(aim)
 
 
-def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked, count: int, aim: Aim) -> None:
+def _one(
+    found: _Found,
+    collection: Collection,
+    refiner: Refiner,
+    ranked: Ranked,
+    count: int,
+    aim: Aim,
+    make: Makeable | None,
+) -> None:
     """Refine the contenders of one number of springs and keep the best."""
     contenders = _contenders(collection, ranked, aim.norm)
     tried: list[tuple[tuple[str, ...], Refined]] = []
@@ -170,7 +181,7 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
         if one.excess > EXCESS
     ]
     if not sound:
-        found.refined = None
+        found.refined = found.made = None
         return
     least = min(one.value for _, one in sound)
     sound.sort(key=lambda pair: (pair[1].value > least * (1 + ALIKE), pair[1].energy))
@@ -183,7 +194,29 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
             else f"{one.value:.3g} against {best.value:.3g} after refinement"
         )
         found.alternatives.append(Alternative(count, places, one.value, worse))
-    found.refined = best
+    found.refined = found.made = best
+    if make is not None:
+        found.refined, found.made = _made(found, refiner, [one for _, one in sound[:WOUND]], make)
+
+
+def _made(
+    found: _Found, refiner: Refiner, sound: Sequence[Refined], make: Makeable
+) -> tuple[Refined | None, Refined | None]:
+    """Of the best refined parts those that are best once they are wound: as they were, and wound."""
+    best: tuple[Refined | None, Refined | None] = (None, None)
+    for one in sound:
+        names = tuple(balancer.name for balancer in one.parts.balancers)
+        try:
+            made = wound(refiner, one, make)
+        except EquipoiseError as error:
+            found.alternatives.append(Alternative(len(names), names, one.value, error.message))
+            continue
+        if made.excess > EXCESS:
+            reason = f"wound to round sizes it breaks a limit by {100 * made.excess:.2g} %"
+            found.alternatives.append(Alternative(len(names), names, made.value, reason))
+        elif best[1] is None or made.value < best[1].value:
+            best = one, made
+    return best
 
 
 def _try(refiner: Refiner, parts: Parts, places: tuple[str, ...], tried: list[tuple[tuple[str, ...], Refined]]) -> None:
@@ -207,10 +240,10 @@ def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[Subs
     return chosen[: collection.request.contenders]
 
 
-def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, make: Makeable | None) -> None:
+def _finish(
+    found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refined, best: Refined
+) -> None:
     """Shape the refined parts over the whole sweep; a design that is hardly better than the one before is told."""
-    best = found.refined
-    assert best is not None
     parts = best.parts
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
@@ -219,7 +252,6 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, make: Makea
         found.alternatives.append(Alternative(count, places, best.value, "one part more gains next to nothing"))
         return
     try:
-        parts = parts if make is None else wound(refiner, best, make)
         limits = (*refiner.limits, *parts.limits)
         if parts.free:
             shaped = descended(
@@ -237,6 +269,6 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, make: Makea
         return
     found.designs.append(design)
     found.values.append(value)
-    if make is not None:
-        words = f"{text(best.value, aim.unit(refiner.mechanism))} before rounding to sizes, and without own masses"
+    if ideal is not best:
+        words = f"{text(ideal.value, aim.unit(refiner.mechanism))} before rounding to sizes, and without own masses"
         found.notes.append(f"with {count}: {words}")

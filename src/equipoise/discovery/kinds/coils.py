@@ -63,6 +63,11 @@ class Coils(LineKind):
         return self.force
 
     @property
+    def gap(self) -> float:
+        """Half of what it may be wide, m."""
+        return 0.0 if self.make is None else self.make.width / 2
+
+    @property
     def most_stretch(self) -> float:
         """The largest length over the rest length."""
         return STRETCH if self.stretch is None else self.stretch

@@ -30,7 +30,8 @@ Counted = Callable[[Array], Array]
 class Scene:
     """What columns are computed over: the ground, states of one payload scenario, the rows that count, filters.
 
-    keep says which candidates may stay, by what they were refused, from places (C, 3) on both bodies of a pair;
+    keep says which candidates may stay, by what they were refused, from places (C, 3) on both bodies of a pair (and
+    the gap, m, that their lines need to bodies);
     refused counts the others by reason.
     """
 
@@ -40,7 +41,7 @@ class Scene:
     pairs: tuple[tuple[Spots, Spots], ...]
     joints: tuple[str, ...]
     bodies: tuple[Spots, ...]
-    keep: Callable[[tuple[str, str], Array, Array], Mapping[str, NDArray[np.bool_]]]
+    keep: Callable[..., Mapping[str, NDArray[np.bool_]]]
     refused: Counter[str] = field(default_factory=Counter)
 
     def sift(self, count: int, reasons: Mapping[str, NDArray[np.bool_]]) -> NDArray[np.bool_]:

@@ -142,7 +142,7 @@ class LineKind(Kind):
             lines = Lines.of(scene, pair)
             still = lines.longest - lines.shortest <= FAINT * lines.longest
             reasons = {"no motion changes its length": still, **self.refuses(lines)}
-            lines = lines.take(scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b)}))
+            lines = lines.take(scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b, self.gap)}))
             if len(lines):
                 found.append(self.batch(lines))
         return found
@@ -186,6 +186,11 @@ class LineKind(Kind):
     def path(self, one: Lines) -> Path:
         """The path of a single couple."""
         return one.at(0)
+
+    @property
+    def gap(self) -> float:
+        """Half of its width, m: how far its line keeps from bodies where these are avoided."""
+        return 0.0
 
     @property
     @abstractmethod
