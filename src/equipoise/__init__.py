@@ -193,6 +193,7 @@ _HOME = {
     "preferred_sizes": "parts",
     "Catalogue": "parts.catalogue",
     "MakeableGrid": "parts.grid",
+    "Makeable": "parts.makeable",
     "Pick": "parts.request",
     "read_catalogue": "parts.importer",
     "pick": "verbs.pick",
@@ -290,6 +291,7 @@ __all__ = [
     "Link",
     "LoopError",
     "Machine",
+    "Makeable",
     "MakeableGrid",
     "MassCap",
     "Mechanism",
@@ -576,6 +578,7 @@ if TYPE_CHECKING:
     from equipoise.parts.catalogue import Catalogue
     from equipoise.parts.grid import MakeableGrid
     from equipoise.parts.importer import read_catalogue
+    from equipoise.parts.makeable import Makeable
     from equipoise.parts.request import Pick
     from equipoise.placement import Placing, Zone
     from equipoise.problem import Problem, load_problem

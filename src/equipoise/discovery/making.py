@@ -37,6 +37,7 @@ def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:
     coils and initial tension of the better one. What may still move then are hooks, leaders and the lengths of
     cables. Raises InfeasibleError where a spring cannot be wound.
     """
+    refiner = refiner.with_extremes(refined.parts)
     heavy = refiner.refine(_each(refiner, refined, _weighed))
     choices = [_each(refiner, heavy, partial(_sized, make, which)) for which in (0, -1)]
     sized = min((refiner.refine(choice) for choice in choices), key=_merit(refiner))
@@ -93,7 +94,11 @@ def _ordered(make: Makeable, spring: Spring, values: Mapping[str, float], length
         play = PLAY * float(part.own_length)
         turned = replace(spring, law=part, path=replace(spring.path, offset=offset), mass=0.0)
         assert law.room is not None
-        return turned, {f"{spring.name}.path.offset": (offset - play, offset + play)}, (Length(spring.name, max=law.room),)
+        return (
+            turned,
+            {f"{spring.name}.path.offset": (offset - play, offset + play)},
+            (Length(spring.name, max=law.room),),
+        )
     leader = max(float(slack), 0.0)
     turned = replace(spring, law=replace(part, leader=leader), mass=0.0)
     return turned, {f"{spring.name}.law.leader": (0.0, float(length.max()))}, ()

@@ -13,6 +13,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection
 from equipoise.discovery.kinds import Batch, Proposal
+from equipoise.discovery.reach import with_extremes
 from equipoise.discovery.subsets import Search, Subset
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
@@ -122,6 +123,12 @@ class Refiner:
         bare = effort(mechanism, (), self.states)
         aim = next(aim for aim in self.objective if aim.cap is None)
         self.bare = aim.weight * aim.term(mechanism, bare, self.states.weight, bare).value(np.zeros(0))
+
+    def with_extremes(self, parts: Parts) -> Refiner:
+        """The same over the poses at which springs are shortest and longest, too."""
+        return Refiner(
+            self.mechanism, with_extremes(self.mechanism, parts.balancers, self.few), self.objective, self.limits
+        )
 
     def task(self, parts: Parts) -> Task:
         """The question that parts pose."""

@@ -47,4 +47,3 @@ def clashes(design: Design, radius: float | None = None) -> tuple[Clash, ...]:
             over = passed(states, (line.a.body, line.b.body), ends[0], ends[1])
             found += [Clash(spring.name, joint, 0.0, 0.0) for joint, crossed in over.items() if crossed[0]]
     return tuple(found)
-

@@ -121,7 +121,7 @@ class Makeable:
     def longest_behind(self, stroke: Array, room: Array) -> Array:
         """Largest extension l - L0 (C,), m, of springs in rooms (C,) behind a cable, over strokes (C,); -inf if none.
 
-            a x + H + x - b x <= room,   a x + H + stroke <= room
+        a x + H + x - b x <= room,   a x + H + stroke <= room
         """
 
         def reach(stroke: Array, room: Array) -> Array:
@@ -162,9 +162,7 @@ class Makeable:
     def _parts(self, numbers: tuple[Array, ...]) -> list[tuple[Array, ...]]:
         step = max(1, PIECES // len(self._shares[0]))
         wide = np.broadcast_arrays(*map(np.asarray, numbers))
-        return [
-            tuple(one[start : start + step, None] for one in wide) for start in range(0, len(wide[0]), step)
-        ]
+        return [tuple(one[start : start + step, None] for one in wide) for start in range(0, len(wide[0]), step)]
 
     def round(self, law: WindableSpring, k: float, product: float, length: Array) -> list[WindableSpring]:
         """The lightest and the nearest of all springs of stocked wire and round diameter that serve; or the nearest.

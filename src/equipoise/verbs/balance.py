@@ -58,6 +58,14 @@ class Task:
         return build(self.mechanism, balancers or self.balancers, self.sweep, states, self.objective, self.limits)
 
 
+class StrayedError(InfeasibleError):
+    """Limits that hold at the samples do not hold at poses found between them: sweep has these, too."""
+
+    def __init__(self, error: InfeasibleError, sweep: Sweep) -> None:
+        super().__init__(error.message, where=error.where, hint=error.hint)
+        self.sweep = sweep
+
+
 @dataclass(frozen=True, eq=False)
 class Balanced:
     """A solved task: its states (those found between the samples included), program and solution."""
@@ -145,7 +153,12 @@ def settle(task: Task) -> Balanced:
     while True:
         states = task.mechanism.states(task.sweep)
         program = _eased(task.program(states))
-        program, solution = tightened(task, program)
+        try:
+            program, solution = tightened(task, program)
+        except InfeasibleError as error:
+            if rounds:
+                raise StrayedError(error, task.sweep) from None
+            raise
         solution = saved(task, states, program, solution)
         # Rounding may leave a value outside its bounds by 1e-10 of its size.
         solution = replace(solution, theta=np.clip(solution.theta, program.lower, program.upper))

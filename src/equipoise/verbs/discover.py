@@ -9,6 +9,7 @@ from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
 from equipoise.discovery.making import wound
+from equipoise.discovery.reach import with_extremes
 from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, built, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
@@ -240,11 +241,10 @@ def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[Subs
     return chosen[: collection.request.contenders]
 
 
-def _finish(
-    found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refined, best: Refined
-) -> None:
+def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refined, best: Refined) -> None:
     """Shape the refined parts over the whole sweep; a design that is hardly better than the one before is told."""
     parts = best.parts
+    sweep = with_extremes(refiner.mechanism, parts.balancers, sweep)
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
     least = found.values[-1] if found.values else refiner.bare

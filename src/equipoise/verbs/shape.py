@@ -38,11 +38,11 @@ from equipoise.solve.sharpen import sharpen, vanish
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.units import text
-from equipoise.verbs.balance import Balanced, Task, certify, finish, settle, task_of
+from equipoise.verbs.balance import Balanced, StrayedError, Task, certify, finish, settle, task_of
 
 COARSE = 400
 PER_START = 24
-REFINED = 4
+REFINED = 8
 BRIEF = 25
 """Steps of a descent from a geometry that is nearly optimal."""
 SOUNDED = 16
@@ -318,14 +318,19 @@ def _present(search: _Search) -> Array | None:
 
 
 def _refine(search: _Search, best: Local, load: float, **options: Any) -> tuple[_Search, Local, Balanced]:
-    """Add the poses between the samples that exceed the peak, and descend again, until none does."""
-    balanced = settle(search.at(best.gamma))
+    """Add the poses between the samples that exceed the peak, or a limit, and descend again, until none does."""
     for _ in range(REFINED):
-        if not balanced.refined:
-            break
-        search = search.over(balanced.task.sweep)
-        best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02, **options)
-        balanced = settle(search.at(best.gamma))
+        try:
+            balanced = settle(search.at(best.gamma))
+        except StrayedError as strayed:
+            search = search.over(strayed.sweep)
+        else:
+            if not balanced.refined:
+                return search, best, balanced
+            search = search.over(balanced.task.sweep)
+        states = search.task.mechanism.states(search.task.sweep)
+        best = descend(search.builder(states), search.freedoms, best.gamma, load, radius=0.02, **options)
+    balanced = settle(search.at(best.gamma))
     return search.over(balanced.task.sweep), best, balanced
 
 

@@ -160,7 +160,9 @@ class CableSprings(LineKind):
             at = index % len(lines)
             start = float(starts[index // len(lines)][at])
             law = self._law(lines.take(np.array([at])), room[[at]], start)
-            return self._spring(name, lines, at, (float(rooms[at]), way[at], float(room[at])), start, side[at], flat, law)
+            return self._spring(
+                name, lines, at, (float(rooms[at]), way[at], float(room[at])), start, side[at], flat, law
+            )
 
         place = f"{lines.place}, spring along {lines.bodies[0]}"
         return Batch(place, columns, None, upper, np.tile(np.arange(len(lines)), len(starts)), propose)

@@ -142,7 +142,9 @@ class LineKind(Kind):
             lines = Lines.of(scene, pair)
             still = lines.longest - lines.shortest <= FAINT * lines.longest
             reasons = {"no motion changes its length": still, **self.refuses(lines)}
-            lines = lines.take(scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b, self.gap)}))
+            lines = lines.take(
+                scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b, self.gap)})
+            )
             if len(lines):
                 found.append(self.batch(lines))
         return found
