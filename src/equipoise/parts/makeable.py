@@ -96,7 +96,7 @@ class Makeable:
 
     @cached_property
     def _shares(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Per option (O,): a = S / F_max, b = F0_max / F_max, H, m, F_max, N, and the most that its mass can stretch."""
+        """Per option (O,): a = S / F_max, b = F0_max / F_max, H, F_max, and the most that its mass can stretch; SI."""
         law, most = self.options, np.asarray(self.options.largest_force)
         reach = most / np.maximum(law.least_rate, 1e-12)
         return np.asarray(law.stack) / most, np.asarray(law.largest_tension) / most, np.asarray(law.hooks), most, reach

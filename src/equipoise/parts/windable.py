@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -31,13 +31,13 @@ class WindableSpring(Law):
 
     so for given d, C and N all that can be wound is a polygon in k and k L0: at every length l
 
-        0 <= k l - k L0 <= F_max,   k d 2 <= S,   S + H k - k L0 <= F0_max
+        0 <= k l - k L0 <= F_max,   2 k d <= S,   S + H k - k L0 <= F0_max
 
     and hooked straight on, S + H k <= k l: closed at most at the shortest length, a rod (leader) making up the rest;
-    or in a room, m, along a link behind a cable, S + H k + f(l) - min(F0_max, f(l_min)) <= k room. F_max and F0_max are
-    strength and largest initial tension of an `ExtensionSpring`. (C + 1) d <= width, m, the largest outside diameter;
-    n d k = S also makes a largest own mass, heaviest, kg, a least rate. Its own mass follows only once it is wound. Raises InputError for a wire outside its grade, an index outside
-    4..20 and lengths that are not positive.
+    or in a room, m, along a link behind a cable, S + H k + f(l) - min(F0_max, f(l_min)) <= k room. F_max and F0_max
+    are strength and largest initial tension of an `ExtensionSpring`. (C + 1) d <= width, m, the largest outside
+    diameter; as n d k = S, a largest own mass, heaviest, kg, is a least rate. The own mass itself follows only once it
+    is wound. Raises InputError for a wire outside its grade, an index outside 4..20 and lengths that are not positive.
     """
 
     wire: Length

@@ -160,9 +160,8 @@ class CableSprings(LineKind):
             at = index % len(lines)
             start = float(starts[index // len(lines)][at])
             law = self._law(lines.take(np.array([at])), room[[at]], start)
-            return self._spring(
-                name, lines, at, (float(rooms[at]), way[at], float(room[at])), start, side[at], flat, law
-            )
+            seat = (float(rooms[at]), way[at], float(room[at]), start)
+            return self._spring(name, lines, at, seat, side[at], flat, law)
 
         place = f"{lines.place}, spring along {lines.bodies[0]}"
         return Batch(place, columns, None, upper, np.tile(np.arange(len(lines)), len(starts)), propose)
@@ -187,13 +186,12 @@ class CableSprings(LineKind):
         name: str,
         lines: Lines,
         at: int,
-        room: tuple[float, Array, float],
-        start: float,
+        room: tuple[float, Array, float, float],
         side: float,
         flat: tuple[Array, Array, float] | None,
         law: Law,
     ) -> Proposal:
-        run, way, inside = room
+        run, way, inside, start = room
         free = inside / (1 + self.elongation)
         one, other = lines.bodies
         guide, hook = ([float(v) for v in p[at]] for p in (lines.a, lines.b))
