@@ -50,9 +50,11 @@ class Collection:
     spacing: float
     margin: float
 
-    def propose(self, index: int, number: int) -> Proposal:
-        """A candidate as the number-th balancer of a design, with what the request asks of all."""
+    def propose(self, index: int, number: int, share: float = 1.0) -> Proposal:
+        """A candidate as the number-th balancer of a design at a share of its most, with what is asked of all."""
         found = self.dictionary.propose(index, number)
+        if found.mass:
+            found = replace(found, balancer=replace(found.balancer, mass=share * found.mass))  # type: ignore[call-arg]
         spring, what = found.balancer, self.request.avoid
         if what == "nothing" or not (isinstance(spring, Spring) and isinstance(spring.path, Line | Cable)):
             return found

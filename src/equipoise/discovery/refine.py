@@ -84,8 +84,8 @@ def built(parts: Parts, design: Design) -> Design:
     )
 
 
-def judge(collection: Collection, subset: Subset, norm: Norm) -> float:
-    """The objective's own norm of a subset at the best 0 <= k <= most, over the dictionary's states."""
+def judge(collection: Collection, subset: Subset, norm: Norm) -> tuple[float, tuple[float, ...]]:
+    """The objective's own norm of a subset at the best 0 <= k <= most, and k as shares of the most."""
     dictionary = collection.dictionary
     A = dictionary.columns(subset).reshape(-1, dictionary.blocks, len(subset))
     scenarios = len(dictionary.loads)
@@ -93,7 +93,8 @@ def judge(collection: Collection, subset: Subset, norm: Norm) -> float:
     weight = np.tile(dictionary.weight[:: dictionary.blocks], scenarios)
     unknowns = tuple(Unknown(str(index), "", 0.0, 1.0) for index in subset)
     term = Term("hold", norm, b, np.tile(A, (scenarios, 1, 1)), weight / weight.sum(), (1,) * dictionary.blocks)
-    return solve(Program(unknowns, (term,))).objective
+    found = solve(Program(unknowns, (term,)))
+    return found.objective, tuple(float(share) for share in found.theta)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,18 +160,23 @@ class Refiner:
         return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)), place)
 
 
-def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[int]:
-    """Candidates that best join parts already refined, whose own unknowns stay free."""
-    total = effort(collection.scene.ground.mechanism, refined.parts.balancers, collection.scene.states)
-    columns = collection.scene.counted(np.moveaxis(total.A, -1, 0)).T
+def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[tuple[int, float]]:
+    """Candidates that best join parts already refined, whose own unknowns stay free, and the share of their most."""
+    scene = collection.scene
+    total = effort(scene.ground.mechanism, refined.parts.balancers, scene.states)
+    columns = scene.counted(np.moveaxis(total.A, -1, 0)).T
+    fixed = scene.counted(total.b - scene.states.holding)
     size = np.maximum(2.0 * np.abs(refined.theta), 1e-12)
     there = Batch("there", columns, None, size, np.arange(len(size)), _never)
     dictionary = replace(collection.dictionary, batches=(*collection.dictionary.batches, there))
     first = len(collection.dictionary)
-    search = Search.of(dictionary.compress(emphasis), dictionary.spots)
-    value = search.extended(tuple(range(first, first + len(size))))[:first]
+    members = tuple(range(first, first + len(size)))
+    search = Search.of(dictionary.compress(emphasis, fixed), dictionary.spots)
+    value = search.extended(members)[:first]
     order = np.argsort(value, kind="stable")[:count]
-    return [int(index) for index in order if np.isfinite(value[index])]
+    return [
+        (int(index), float(search.solve((*members, int(index)))[1][-1])) for index in order if np.isfinite(value[index])
+    ]
 
 
 def _never(index: int, name: str) -> Proposal:

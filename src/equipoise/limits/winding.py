@@ -28,7 +28,7 @@ def winding(spring: Spring, setting: Setting) -> list[Rows]:
     rows = [
         made.row("strength", length, -1.0, most, scale=most),
         made.row("tension", -length, 1.0, 0.0, scale=most),
-        made.row("coils", LEAST_COILS * np.atleast_1d(law.wire), 0.0, stack, scale=stack),
+        made.row("coils", np.atleast_1d(np.asarray(LEAST_COILS * law.wire)), 0.0, stack, scale=stack),
     ]
     if law.heaviest is not None:
         rate = np.atleast_1d(law.least_rate)
@@ -43,20 +43,25 @@ def winding(spring: Spring, setting: Setting) -> list[Rows]:
 
 
 class _Rows:
-    """Rows over rate and product of one spring."""
+    """Rows over rate and product of one spring, or over the product alone where the rate is given."""
 
     def __init__(self, spring: Spring, states: Any) -> None:
         self.spring, self.states = spring, states
+        self.given = spring.law.k  # type: ignore[attr-defined]
 
     def row(self, what: str, rate: Array, product: float, limit: Any, *, scale: Any) -> Rows:
         """rate k + product (k L0) <= limit, per state or once."""
-        one = np.asarray(rate)
-        h = np.broadcast_arrays(limit, one)[0]
-        G = np.stack(np.broadcast_arrays(one, product + 0.0 * h), axis=-1)
-        state = self.states if one.shape[-1] == len(self.states) else None
+        one, h = np.broadcast_arrays(rate, limit)
+        unknowns = self.spring.unknowns
+        if self.given is not None:
+            h = h - one * self.given
+            unknowns = unknowns if product else ()
+            G = np.full((*h.shape, len(unknowns)), product, dtype=h.dtype)
+        else:
+            G = np.stack(np.broadcast_arrays(one, product + 0.0 * h), axis=-1)
+        state = self.states if h.shape[-1] == len(self.states) else None
         words = f"{what} of {self.spring.name} as it can be wound"
-        size = float(np.abs(np.real(scale)).max())
-        return Rows(words, "N", G, h, self.spring.unknowns, state, scale=size)
+        return Rows(words, "N", G, h, unknowns, state, scale=float(np.abs(np.real(scale)).max()))
 
 
 def _numbers(spring: Spring, law: WindableSpring) -> list[Rows]:

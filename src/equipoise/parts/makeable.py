@@ -142,6 +142,13 @@ class Makeable:
 
         return self._best(force, (stroke, room, extension * (1 - 1e-9)))
 
+    def mass_at(self, option: Array, rate: Array) -> Array:
+        """Own mass (C,), kg, of options (C,) with rates (C,), N/m; 0 where there is no rate."""
+        law = self.options
+        coils = (law.stack / law.wire)[option] / np.maximum(rate, 1e-300)
+        some = self.law(law.wire[option], law.index[option], float(self.parallel))
+        return np.where(rate > 0, np.asarray(some.mass_of(coils)), 0.0)
+
     def _least(self, short: Array, long: Array) -> Array:
         a, b, hooks, _, far = self._shares
         found = np.maximum(long - np.minimum((short - hooks) / a, far), ((a - b) * long + hooks) / (1 + a - b))

@@ -14,7 +14,7 @@ from equipoise.errors import InfeasibleError, InputError
 from equipoise.parts import coil
 from equipoise.parts.extension import ExtensionSpring
 from equipoise.parts.helical import LEAST_COILS
-from equipoise.units import Length, Mass, Number, text
+from equipoise.units import Length, Mass, Number, Stiffness, text
 
 EASE = 1e-6
 """Relative excess that counts as rounding."""
@@ -22,7 +22,7 @@ EASE = 1e-6
 
 @dataclass(frozen=True)
 class WindableSpring(Law):
-    """An extension spring of given wire and index whose rate k and free length L0 are found, f = k (l - L0).
+    """An extension spring of given wire and index whose rate k (or not) and free length L0 are found, f = k (l - L0).
 
     With wire d, m, spring index C = D / d, N springs in parallel (number), shear modulus G, and loops as high as
     `loop` inside diameters,
@@ -36,8 +36,9 @@ class WindableSpring(Law):
     and hooked straight on, S + H k <= k l: closed at most at the shortest length, a rod (leader) making up the rest;
     or in a room, m, along a link behind a cable, S + H k + f(l) - min(F0_max, f(l_min)) <= k room. F_max and F0_max
     are strength and largest initial tension of an `ExtensionSpring`. (C + 1) d <= width, m, the largest outside
-    diameter; as n d k = S, a largest own mass, heaviest, kg, is a least rate. The own mass itself follows only once it
-    is wound. Raises InputError for a wire outside its grade, an index outside 4..20 and lengths that are not positive.
+    diameter; as n d k = S, a largest own mass, heaviest, kg, is a least rate. The own mass itself counts where k, N/m,
+    of all in parallel, is given. Raises InputError for a wire outside its grade, an index outside 4..20 and lengths
+    that are not positive.
     """
 
     wire: Length
@@ -48,13 +49,13 @@ class WindableSpring(Law):
     room: Length | None = None
     width: Length | None = None
     heaviest: Mass | None = None
+    k: Stiffness | None = None
     sources: ClassVar[tuple[str, ...]] = ExtensionSpring.sources
-    # What a coil answers where rate and free length are found.
-    k: ClassVar[None] = None
+    # What a coil answers where its free length is found.
     free_length: ClassVar[None] = None
 
     def __post_init__(self) -> None:
-        for name in ("wire", "index", "number", "room", "width", "heaviest"):
+        for name in ("wire", "index", "number", "room", "width", "heaviest", "k"):
             value = getattr(self, name)
             if isinstance(value, int | float) and not value > 0:
                 raise InputError(f"{name} is {value:g}, it must be positive", where="law windable_spring")
@@ -98,6 +99,11 @@ class WindableSpring(Law):
         none = np.real(left) <= 0
         return np.where(none, np.inf, self.stack / self.wire * coils / np.where(none, 1.0, left))[()]
 
+    @property
+    def own_mass(self) -> Any:
+        """Own mass, kg, of all in parallel where their rate is given, else 0."""
+        return 0.0 if self.k is None else self.mass_of(self.stack / (self.wire * self.k))
+
     def mass_of(self, coils: Any) -> Any:
         """Own mass, kg, of all in parallel with so many active coils."""
         sample = self.sample
@@ -118,7 +124,7 @@ class WindableSpring(Law):
         """Rate and the product k L0."""
         one = np.ones_like(length)
         return (
-            Share("k", "N/m", None, length, length * length / 2, one, lower=0.0),
+            Share("k", "N/m", self.k, length, length * length / 2, one, lower=0.0),
             Share("k_free_length", "N", None, -one, -length, 0.0 * one),
         )
 
@@ -137,10 +143,6 @@ class WindableSpring(Law):
     def coils_of(self, k: float) -> float:
         """Active coils n of springs with the rate k, N/m, of all in parallel."""
         return float(self.stack / (self.wire * k))
-
-    def own_mass_at(self, k: float) -> float:
-        """Own mass, kg, of springs with the rate k, N/m, of all in parallel."""
-        return float(self.mass_of(self.coils_of(k)))
 
     def tensions(self, k: float, product: float, length: Array) -> tuple[float, float]:
         """Least and largest initial tension, N, of all in parallel, with which lengths (N,) can be served."""
@@ -181,7 +183,7 @@ class WindableSpring(Law):
 
     def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
         """Coil diameter, coils, the room for its initial tension, and its strength."""
-        k, product = values["k"], values["k_free_length"]
+        k, product = float(values.get("k", self.k or 0.0)), values["k_free_length"]
         if not k > 0:
             return {}
         force = k * length - product

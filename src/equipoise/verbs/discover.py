@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
-from equipoise.discovery.making import wound
+from equipoise.discovery.making import unweighed, weighed, wound
 from equipoise.discovery.reach import with_extremes
 from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, built, judge
 from equipoise.discovery.request import Discover
@@ -165,16 +165,19 @@ def _one(
     make: Makeable | None,
 ) -> None:
     """Refine the contenders of one number of springs and keep the best."""
-    contenders = _contenders(collection, ranked, aim.norm)
     tried: list[tuple[tuple[str, ...], Refined]] = []
-    for subset in contenders:
-        parts = Parts.of([collection.propose(i, k) for k, i in enumerate(subset, 1)])
-        _try(refiner, parts, collection.dictionary.places(subset), tried)
+    for subset, shares in _contenders(collection, ranked, aim.norm):
+        parts = Parts.of(
+            [collection.propose(i, k, share) for k, (i, share) in enumerate(zip(subset, shares, strict=True), 1)]
+        )
+        _try(refiner, parts, collection.dictionary.places(subset), tried, make)
     before = found.refined
     if before is not None and len(before.parts.balancers) == count - 1:
-        for index in additions(collection, before, None, 1):
-            parts = before.parts.with_one(collection.propose(index, count))
-            _try(refiner, parts, (f"the {count - 1} before", *collection.dictionary.places((index,))), tried)
+        before = before if make is None else refiner.refine(replace(unweighed(before), free={}))
+        for index, share in additions(collection, before, None, 1):
+            parts = before.parts.with_one(collection.propose(index, count, share))
+            parts = replace(parts, free={**(found.refined or before).parts.free, **parts.free})
+            _try(refiner, parts, (f"the {count - 1} before", *collection.dictionary.places((index,))), tried, make)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
     found.alternatives += [
         Alternative(count, places, one.value, f"it breaks a limit by {100 * one.excess:.2g} %")
@@ -220,25 +223,28 @@ def _made(
     return best
 
 
-def _try(refiner: Refiner, parts: Parts, places: tuple[str, ...], tried: list[tuple[tuple[str, ...], Refined]]) -> None:
+def _try(
+    refiner: Refiner,
+    parts: Parts,
+    places: tuple[str, ...],
+    tried: list[tuple[tuple[str, ...], Refined]],
+    make: Makeable | None,
+) -> None:
     try:
-        tried.append((places, refiner.refine(parts)))
+        found = refiner.refine(parts)
+        tried.append((places, found if make is None else weighed(refiner, found, make)))
     except InfeasibleError:
         return
 
 
-def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[Subset]:
-    """The subsets that the objective's own norm ranks best, those at different places first."""
-    judged = sorted((judge(collection, subset, norm), subset) for _, subset in ranked)
-    chosen: list[Subset] = []
-    seen: set[tuple[str, ...]] = set()
-    for _, subset in judged:
-        places = collection.dictionary.places(subset)
-        if places not in seen:
-            seen.add(places)
-            chosen.append(subset)
-    chosen += [subset for _, subset in judged if subset not in chosen]
-    return chosen[: collection.request.contenders]
+def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[tuple[Subset, tuple[float, ...]]]:
+    """The subsets that the objective's own norm ranks best, those at different places first, with their shares."""
+    judged = sorted((*judge(collection, subset, norm), subset) for _, subset in ranked)
+    first: dict[tuple[str, ...], tuple[Subset, tuple[float, ...]]] = {}
+    for _, shares, subset in judged:
+        first.setdefault(collection.dictionary.places(subset), (subset, shares))
+    rest = [(subset, shares) for _, shares, subset in judged if (subset, shares) not in first.values()]
+    return [*first.values(), *rest][: collection.request.contenders]
 
 
 def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refined, best: Refined) -> None:
@@ -270,5 +276,5 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refi
     found.designs.append(design)
     found.values.append(value)
     if ideal is not best:
-        words = f"{text(ideal.value, aim.unit(refiner.mechanism))} before rounding to sizes, and without own masses"
+        words = f"{text(ideal.value, aim.unit(refiner.mechanism))} before rounding to sizes"
         found.notes.append(f"with {count}: {words}")

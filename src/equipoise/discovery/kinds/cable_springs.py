@@ -39,7 +39,7 @@ class CableSprings(LineKind):
     L is the cable's length from the spring's far end over the guide to the hook, which the offset (the cable's own
     length, cut to measure) makes the spring's length l; with l - L0 = ratio d, d from guide to hook, it acts as a
     spring of zero free length. room, m, is what the link offers from the guide to its end (default: by the link's
-    skeleton), fittings, m, what hooks and thimbles take of it; elongation the largest of the spring, a share of L0;
+    skeleton), rooms {body: room} of single links, such as a housing on the base, fittings, m, what hooks and thimbles take of it; elongation the largest of the spring, a share of L0;
     ratio that of a tackle, below 1 where the spring moves less than the cable; force in N the most of the spring.
     radius, m, is that of a guide pulley, on planar pairs and where the cable keeps to one side of it; 0 is an eye, or
     a fairlead of small rollers. Each link of a pair is tried as the one that carries the spring. With make, what can be
@@ -49,6 +49,7 @@ class CableSprings(LineKind):
     elongation: Number = 1.0
     ratio: Number = 1.0
     room: Length | None = None
+    rooms: Mapping[str, Length] | None = None
     fittings: Length = 0.04
     radius: Length = 0.0
     force: Newtons = 5000.0
@@ -103,17 +104,18 @@ class CableSprings(LineKind):
 
     def along(self, group: Group, places: Array) -> tuple[Array, Array]:
         """Room (C,), m, along the link from a guide to the link's farther end, and the way there (C, 3)."""
+        given = (self.rooms or {}).get(group.body, self.room)
         pieces = group.skeleton[:, 1] - group.skeleton[:, 0]
         lengths = np.linalg.norm(pieces, axis=1)
         longest = int(lengths.argmax())
         if lengths[longest] < STRAIGHT:
-            return np.full(len(places), self.room or 0.0), np.tile([0.0, 0.0, -1.0], (len(places), 1))
+            return np.full(len(places), given or 0.0), np.tile([0.0, 0.0, -1.0], (len(places), 1))
         unit = pieces[longest] / lengths[longest]
         at = np.clip((places - group.skeleton[longest, 0]) @ unit, 0.0, lengths[longest])
         outwards = lengths[longest] - at >= at
         room = np.where(outwards, lengths[longest] - at, at)
         return (
-            np.full(len(places), self.room) if self.room is not None else room,
+            np.full(len(places), given) if given is not None else room,
             np.where(outwards, 1.0, -1.0)[:, None] * unit,
         )
 
@@ -148,8 +150,8 @@ class CableSprings(LineKind):
         slack = np.maximum(lines.longest - reach, 0.0)
         tight = np.minimum(lines.shortest, lines.longest - LEAST * reach)
         starts = (slack, tight) if self.make is None else (slack, (slack + tight) / 2, tight)
-        made = [self._dense(lines, {"free_length": start, "room": room, "stroke": stroke}) for start in starts]
-        columns, upper = (np.concatenate([one[k] for one in made], axis=-1) for k in range(2))
+        laws = [{"free_length": start, "room": room, "stroke": stroke} for start in starts]
+        columns, upper, mass, spot = self.dense(scene, lines, laws)
         rooms, way = self.along(group, lines.a)
         flat = scene.ground.normal(*lines.bodies)
         side = np.ones(len(lines))
@@ -161,10 +163,10 @@ class CableSprings(LineKind):
             start = float(starts[index // len(lines)][at])
             law = self._law(lines.take(np.array([at])), room[[at]], start)
             seat = (float(rooms[at]), way[at], float(room[at]), start)
-            return self._spring(name, lines, at, seat, side[at], flat, law)
+            return replace(self._spring(name, lines, at, seat, side[at], flat, law), mass=float(mass[index]))
 
         place = f"{lines.place}, spring along {lines.bodies[0]}"
-        return Batch(place, columns, None, upper, np.tile(np.arange(len(lines)), len(starts)), propose)
+        return Batch(place, columns, None, upper, spot, propose)
 
     def allowed(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
         """Rates (C,), N/m, of the pull over the distance, under the force limit and of what can be wound."""
@@ -172,6 +174,19 @@ class CableSprings(LineKind):
             return most
         extension = self.ratio * (lines.longest - law["free_length"])
         return np.minimum(most, self.ratio**2 * self.make.most_behind(law["stroke"], law["room"], extension)[0])
+
+    def masses(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
+        """Own mass (C,), kg, of what can be wound."""
+        if self.make is None:
+            return super().masses(lines, law, most)
+        extension = self.ratio * (lines.longest - law["free_length"])
+        rate, option = self.make.most_behind(law["stroke"], law["room"], extension)
+        return self.make.mass_at(option, rate) * most / np.maximum(self.ratio**2 * rate, 1e-300)
+
+    def weighing(self, scene: Scene, lines: Lines) -> tuple[tuple[str, Array, float], ...]:
+        """The coil lies along its link, from its far end towards the guide."""
+        rooms, way = self.along(scene.ground.group_of(lines.bodies[0]), lines.a)
+        return ((lines.bodies[0], lines.a + rooms[:, None] * way, 0.5), (lines.bodies[0], lines.a, 0.5))
 
     def _law(self, one: Lines, room: Array, start: float) -> Law:
         """A coil with rate and free length open; of what can be wound the wire that allows most."""

@@ -107,6 +107,13 @@ class Coils(LineKind):
             return most
         return np.minimum(most, self.make.most_straight(lines.shortest, lines.longest, law["free_length"])[0])
 
+    def masses(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
+        """Own mass (C,), kg, of what can be wound."""
+        if self.make is None:
+            return super().masses(lines, law, most)
+        rate, option = self.make.most_straight(lines.shortest, lines.longest, law["free_length"])
+        return self.make.mass_at(option, rate) * most / np.maximum(rate, 1e-300)
+
     def open(self, numbers: Mapping[str, Array]) -> Law:
         """f = k (l - L0)."""
         return Coil(free_length=numbers["free_length"])  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from equipoise.affine import Array
 from equipoise.balancers.laws import Law, ZeroFreeLength
 from equipoise.discovery.kinds.cable_springs import CableSprings
-from equipoise.discovery.kinds.kind import Batch, Kind, Proposal
+from equipoise.discovery.kinds.kind import Batch, Kind, Proposal, Scene
 from equipoise.discovery.kinds.lines import LineKind, Lines
 from equipoise.limits import Force, Limit, Stroke
 from equipoise.parts.makeable import Makeable
@@ -52,7 +52,7 @@ class Ideal(LineKind):
         """What acts like it and can be wound: a coil along a link behind a cable."""
         return CableSprings(force=self.force, make=make)
 
-    def batch(self, lines: Lines) -> Batch:
+    def batch(self, scene: Scene, lines: Lines) -> Batch:  # noqa: ARG002 - no column is spelled out
         """The pair's generators and the products of the places; no column is spelled out."""
 
         def propose(index: int, name: str) -> Proposal:
