@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array, Block
 from equipoise.assemble import Balancer, settled
-from equipoise.design import Row
 from equipoise.loops import constraint_jacobian
 from equipoise.loops.constraints import Connect, Weld
 from equipoise.machinery.loosened import beyond, carried_bodies, is_bearing, loosen, own_loads
 from equipoise.machinery.norms import rows_of
 from equipoise.mechanism import Mechanism
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.sweep import Sweep
 

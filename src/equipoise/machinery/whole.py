@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from equipoise.assemble import Balancer
-from equipoise.design import Row
 from equipoise.machinery.bearings import Bearing, bearing_rows, named
 from equipoise.machinery.drive import Drive, Supply, drives, supplies
 from equipoise.mechanism import Mechanism
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.sweep import Sweep
 

@@ -8,7 +8,8 @@ from math import isfinite
 from typing import Any
 
 from equipoise.balancers.laws.law import FORCE
-from equipoise.design import Active, Design
+from equipoise.certificate import Active
+from equipoise.design import Design
 from equipoise.objective import joint_goal, minimised
 from equipoise.parameters import tag
 from equipoise.reporting.numbers import (
