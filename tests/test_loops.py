@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from equipoise.errors import InputError, LoopError
+from equipoise.kinematics import kinematics
 from equipoise.loops import close_loops, loop_report
 from equipoise.loops.constraints import equalities, residual
 from equipoise.loops.posture import Evaluator, integrate
@@ -19,7 +20,6 @@ from equipoise.mechanism import Mechanism
 from equipoise.models.four_bar import crank_range, four_bar
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.slider_crank import slider_crank
-from equipoise.states import kinematics
 
 BODIES = """
 <mujoco><worldbody>
