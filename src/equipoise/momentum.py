@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Array, Block
-from equipoise.frames import Placement, columns_crossed
+from equipoise.frames import Placement, columns_crossed, cross_parts, parts_of
 from equipoise.loops.posture import cross
 from equipoise.states import States
 
@@ -75,9 +75,9 @@ def body_wrenches(states: States) -> Array:
     if states not in _wrenches:  # force, moment, drive and bearings ask for it one after the other
         mechanism, model, frames = states.mechanism, states.mechanism.model, states.frames
         inertias = np.array([body_inertia(model, body) for body in range(model.nbody)])
-        carried = frames.bend @ inertias
-        angular = columns_crossed(frames.frame, carried).sum(axis=-1)
-        found = np.concatenate([carried[..., 3], angular], axis=-1)
+        carried = np.einsum("iabn,bak->ikbn", parts_of(frames.bend), inertias)
+        angular = cross_parts(parts_of(frames.frame), carried).sum(axis=1)
+        found = np.concatenate([carried[:, 3], angular]).T
         for point, mass in zip(states.payload_points, states.payload_mass.T, strict=True):
             found[:, mechanism.body_id(point.body)] += states.point_wrench(point, mass)
         _wrenches[states] = found

@@ -210,7 +210,7 @@ class States:
         index = self.mechanism.body_id(body)
         linear, angular = self.twist(index)
         force = wrench[..., :3, :]
-        moment = wrench[..., 3:, :] - columns_crossed(self.kin.com[:, index], force)
+        moment = wrench[..., 3:, :] - columns_crossed(self.kin.com[:, index, :, None], force)
         return np.swapaxes(linear, 1, 2) @ force + np.swapaxes(angular, 1, 2) @ moment
 
     @cached_property
@@ -251,4 +251,3 @@ class States:
                 motion = np.swapaxes(self.kin.cdof[:, dofs], 1, 2) @ self.D[:, dofs]
                 self._bodies[body] = (motion[:, 3:], motion[:, :3])
         return self._bodies[body]
-

@@ -17,7 +17,7 @@ from equipoise.loops.posture import Pose, ancestors, cross, quat_product
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
 
-_CHUNK = 16384
+_CHUNK = 1024  # postures whose Jacobians stay in the processor's cache
 
 
 def accelerations(mechanism: Mechanism, postures: Pose, velocity: Array, cdof_dot: Array, start: Array) -> Array:

@@ -126,8 +126,8 @@ def _closed(
     """Postures closed to rounding at driven positions (M, nd) of instants (M,).
 
     Guessed between the knots and closed at once; of many instants the relays first, the others from polynomials
-    through these, so good that one linearisation is enough. A posture that does not obey what a step of a walk must obey is
-    walked to from the knot before it.
+    through these, so good that one linearisation is enough. A posture that does not obey what a step of a walk must
+    obey is walked to from the knot before it.
     """
     wanted, instants = goal
     loop, places = branch.loop, mechanism.model.jnt_qposadr[mechanism.driven_ids]
