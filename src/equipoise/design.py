@@ -20,7 +20,7 @@ from equipoise.cases import Settings
 from equipoise.floors import Floor
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism, Point
-from equipoise.objective import Aim, pole_of
+from equipoise.objective import Aim, leading, pole_of
 from equipoise.parts import Part
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -138,7 +138,7 @@ class Design:
     @property
     def norm(self) -> str:
         """The norm that was made small."""
-        return next(aim.norm for aim in self.objective if aim.cap is None)
+        return leading(self.objective).norm
 
     def residual(self, states: States, goal: str = "hold") -> np.ndarray:
         """A goal's residual (N, R) with the balancers, at any states; of `hold` (N, nd)."""

@@ -107,7 +107,7 @@ def _ring(centre: Array, axis: Array, radius: Array, turns: int = 1) -> Array:
     first: Array = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
     first /= np.linalg.norm(first)
     second: Array = np.cross(axis / np.linalg.norm(axis), first)
-    angle = np.linspace(0.0, 2 * np.pi * turns, len(radius))[:, None]
+    angle: Array = np.linspace(0.0, 2 * np.pi * turns, len(radius))[:, None]
     ring: Array = centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
     return ring
 
