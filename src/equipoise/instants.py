@@ -63,8 +63,9 @@ def between(mechanism: Mechanism, sweep: Sweep, sampled: Array, account: Magnitu
 def _hills(sampled: Array, peaks: Array) -> tuple[Indices, Indices]:
     """Samples (H,) that may stand beside the peak of a row, and the rows (H,).
 
-    A parabola through a hill and its neighbours rises by less than an eighth of what the hill falls to both: one that
-    is lower than the highest by more than the whole fall is left out.
+    A parabola through a hill and its neighbours rises by (right - left)^2 / 8 fall, less than an eighth of what the hill
+    falls to both: one that is lower than the highest by more than the whole fall is left out, the others are ranked by
+    where the parabola ends.
     """
     loaded = np.flatnonzero(peaks > FAINT * peaks.max())
     sampled = sampled[:, loaded]
@@ -72,8 +73,9 @@ def _hills(sampled: Array, peaks: Array) -> tuple[Indices, Indices]:
     hill = (sampled >= padded[:-2]) & (sampled >= padded[2:])
     fall = 2.0 * sampled - padded[:-2] - padded[2:]
     hill &= sampled + fall >= sampled.max(axis=0)
+    top = sampled + (padded[2:] - padded[:-2]) ** 2 / (8.0 * np.maximum(fall, TINY))
     place, row = np.nonzero(hill)
-    order = np.lexsort((-sampled[place, row], row))
+    order = np.lexsort((-top[place, row], row))
     place, row = place[order], row[order]
     rank = np.arange(len(row)) - np.searchsorted(row, row)
     return place[rank < HILLS], loaded[row[rank < HILLS]]
