@@ -10,7 +10,8 @@ import numpy as np
 
 from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, effort, thrift
-from equipoise.design import Active, Design
+from equipoise.certificate import Active
+from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError
 from equipoise.floors import floors
 from equipoise.limits import Limit
@@ -37,17 +38,19 @@ from equipoise.solve.shape import (
 from equipoise.solve.sharpen import sharpen, vanish
 from equipoise.states import States
 from equipoise.sweep import Sweep
+from equipoise.tasks import Balanced, Task, attempt, certify, finish, settle, task_of
 from equipoise.units import text
-from equipoise.verbs.balance import Balanced, StrayedError, Task, certify, finish, settle, task_of
 
 COARSE = 400
 PER_START = 24
-REFINED = 8
+REFINED = 4
 BRIEF = 25
 """Steps of a descent from a geometry that is nearly optimal."""
 SOUNDED = 16
 NOTHING = 1e-8
 """Share of the load below which a start has found an exact balance, which no other can better."""
+ALIKE = 1e-3
+"""Share by which values may differ and the stored energy still decide."""
 SLACK = 2e-7
 """Share of the objective that may be given for less stored energy."""
 
@@ -126,7 +129,8 @@ def shape(
     search, best, balanced = _refine(search, best, load)
     best, balanced = _spare(search, best, balanced, load)
     if (exact := vanish(search.builder(balanced.states), freedoms, best)) is not best:
-        best, balanced = exact, settle(search.at(exact.gamma))
+        whole = attempt(search.at(exact.gamma))
+        best, balanced = (exact, whole) if whole.broken is None else (best, balanced)
     balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
 
@@ -136,14 +140,17 @@ def descended(
     balancers: Sequence[Balancer],
     sweep: Sweep,
     free: Mapping[str, tuple[float, float]],
+    *,
     objective: Sequence[Aim],
     limits: Sequence[Limit],
     precision: float,
+    detour: float,
 ) -> Design:
     """The local optimum next to a geometry that is nearly one: a single descent over the whole sweep.
 
-    precision is what a further step may still gain, a share of the load. Raises EquipoiseError where the limits
-    cannot be kept.
+    precision is what a further step may still gain, a share of the load; detour by what share of the load the
+    objective may rise on the way to an equally good geometry with less stored energy. Raises EquipoiseError where the
+    limits cannot be kept.
     """
     freedoms = tuple(freedom_of(balancers, name, bounds) for name, bounds in free.items())
     search = _Search(task_of(mechanism, balancers, sweep, None, tuple(objective), limits), freedoms)
@@ -155,6 +162,7 @@ def descended(
     if best.excess > 1e-6:
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
     search, best, balanced = _refine(search, best, load, **options)
+    search, best, balanced = _relaxed(search, best, balanced, load, detour)
     balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, Optima((best,), 0), balanced)
 
@@ -318,19 +326,16 @@ def _present(search: _Search) -> Array | None:
 
 
 def _refine(search: _Search, best: Local, load: float, **options: Any) -> tuple[_Search, Local, Balanced]:
-    """Add the poses between the samples that exceed the peak, or a limit, and descend again, until none does."""
+    """Add the poses between the samples that exceed the peak, and descend again, until none does."""
+    balanced = attempt(search.at(best.gamma))
     for _ in range(REFINED):
-        try:
-            balanced = settle(search.at(best.gamma))
-        except StrayedError as strayed:
-            search = search.over(strayed.sweep)
-        else:
-            if not balanced.refined:
-                return search, best, balanced
-            search = search.over(balanced.task.sweep)
-        states = search.task.mechanism.states(search.task.sweep)
-        best = descend(search.builder(states), search.freedoms, best.gamma, load, radius=0.02, **options)
-    balanced = settle(search.at(best.gamma))
+        if not balanced.refined:
+            break
+        search = search.over(balanced.task.sweep)
+        best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02, **options)
+        balanced = attempt(search.at(best.gamma))
+    if balanced.broken is not None:
+        raise balanced.broken
     return search.over(balanced.task.sweep), best, balanced
 
 
@@ -344,13 +349,37 @@ def _spare(search: _Search, best: Local, balanced: Balanced, load: float) -> tup
         thrifty = _thrifty(search, best, value * (1 + SLACK / 2))
         if thrifty is None:
             break
-        found = settle(search.at(thrifty.gamma))
-        if found.solution.objective <= value * (1 + SLACK):
+        found = attempt(search.at(thrifty.gamma))
+        if found.broken is None and found.solution.objective <= value * (1 + SLACK):
             return thrifty, found
         if not found.refined:
             break
         search = search.over(found.task.sweep)
     return best, balanced
+
+
+def _relaxed(
+    search: _Search, best: Local, balanced: Balanced, load: float, detour: float
+) -> tuple[_Search, Local, Balanced]:
+    """As `_spare`, by way of geometries that are worse by a share of the load: curved valleys have no other way."""
+    states = search.task.mechanism.states(search.task.sweep)
+    few = thinned(search.task.sweep, states) if len(search.task.sweep.poses) > COARSE else search.task.sweep
+    value = max(balanced.solution.objective, NOTHING * load)
+    thrifty = _thrifty(search.over(few), best, value + detour * load)
+    if thrifty is None:
+        return search, best, balanced
+    options: dict[str, Any] = {"precision": 0.1 * ALIKE * value / load, "iterations": BRIEF}
+    back = descend(search.builder(states), search.freedoms, thrifty.gamma, load, radius=0.02, **options)
+    wider, back, found = _refine(search, back, load, **options)
+    as_good = back.excess <= 1e-6 and found.solution.objective <= value * (1 + ALIKE)
+    spared = _stored(search, back, found) < _stored(search, best, balanced)
+    return (wider, back, found) if as_good and spared else (search, best, balanced)
+
+
+def _stored(search: _Search, at: Local, balanced: Balanced) -> float:
+    """The largest stored energy of a solution, J."""
+    energy = thrift(balanced.program, search.at(at.gamma).balancers, balanced.states, 1.0).terms[0]
+    return float(energy.value(balanced.solution.theta))
 
 
 def _thrifty(search: _Search, best: Local, value: float) -> Local | None:

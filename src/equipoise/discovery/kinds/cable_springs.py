@@ -39,7 +39,8 @@ class CableSprings(LineKind):
     L is the cable's length from the spring's far end over the guide to the hook, which the offset (the cable's own
     length, cut to measure) makes the spring's length l; with l - L0 = ratio d, d from guide to hook, it acts as a
     spring of zero free length. room, m, is what the link offers from the guide to its end (default: by the link's
-    skeleton), rooms {body: room} of single links, such as a housing on the base, fittings, m, what hooks and thimbles take of it; elongation the largest of the spring, a share of L0;
+    skeleton), rooms {body: room} that of single links, such as a housing on the base; fittings, m, what hooks and
+    thimbles take of it; elongation the largest of the spring, a share of L0;
     ratio that of a tackle, below 1 where the spring moves less than the cable; force in N the most of the spring.
     radius, m, is that of a guide pulley, on planar pairs and where the cable keeps to one side of it; 0 is an eye, or
     a fairlead of small rollers. Each link of a pair is tried as the one that carries the spring. With make, what can be
