@@ -571,6 +571,7 @@ if TYPE_CHECKING:
         GasSpring,
         StockSpring,
         TorsionSpring,
+        WindableSpring,
         grade,
         grades,
         preferred_sizes,
