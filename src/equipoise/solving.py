@@ -17,7 +17,7 @@ from equipoise.verbs import shape as verbs_shape
 
 if TYPE_CHECKING:
     from equipoise.discovery.front import Discovery
-    from equipoise.verbs.adjust import Adjusted
+    from equipoise.verbs.adjusted import Adjusted
 
 
 def solvable_problem(file: str, verb: str) -> Problem:
