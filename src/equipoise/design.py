@@ -370,9 +370,17 @@ def _rotor_part(design: Design, rotor: Any) -> dict[str, Any]:
         part["meshes"] = [
             {"name": mesh.name, "torque": float(np.abs(mesh.torque).max()), "preload": mesh.preload}
             | ({"reversals": mesh.reversals} if design.sweep.instants is not None else {})
+            | _teeth(mesh)
             for mesh in meshes
         ]
     return part
+
+
+def _teeth(mesh: Any) -> dict[str, float]:
+    """Pitch radius of the driven gear, m, and the largest force on its teeth, N, where they are known."""
+    if mesh.tooth_force is None:
+        return {}
+    return {"pitch_radius": float(mesh.radius), "tooth_force": float(mesh.tooth_force.max())}
 
 
 def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:
