@@ -150,7 +150,7 @@ def as_objective(norm: Norm | None, objective: Aim | Sequence[Aim] | None) -> tu
     return aims
 
 
-def minimised(objective: Sequence[Aim]) -> tuple[Aim, ...]:
+def minimised(objective: Sequence[Aim]) -> Sequence[Aim]:
     """The aims that are made small: those without a cap."""
     return tuple(aim for aim in objective if aim.cap is None)
 

@@ -11,9 +11,9 @@ import numpy as np
 from equipoise.affine import Array, Block
 from equipoise.assemble import Balancer, settled
 from equipoise.balancers.spring import Spring
-from equipoise.design import Row
 from equipoise.mechanism import Mechanism
 from equipoise.momentum import bare_drive
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.sweep import Sweep
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from equipoise.affine import Array, Block
-from equipoise.design import Row
 from equipoise.instants import Magnitudes, between
 from equipoise.mechanism import Mechanism
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.sweep import Sweep
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from equipoise.affine import Array, Block
 from equipoise.assemble import Balancer
-from equipoise.design import Row
 from equipoise.machinery.bearings import Bearing, forces_between, named
 from equipoise.machinery.drive import (
     Drive,
@@ -24,6 +23,7 @@ from equipoise.machinery.drive import (
 )
 from equipoise.machinery.norms import rows_of
 from equipoise.mechanism import Mechanism
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.sweep import Sweep
 

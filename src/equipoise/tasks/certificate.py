@@ -8,7 +8,7 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.assemble import effort
-from equipoise.design import Active, Certificate
+from equipoise.certificate import Active, Certificate
 from equipoise.floors import floors
 from equipoise.loops import reachable
 from equipoise.motion.moves import Free

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 from equipoise.affine import Array, Block
 from equipoise.assemble import account
-from equipoise.design import Certificate, Design
+from equipoise.certificate import Certificate
+from equipoise.design import Design
 from equipoise.states import States
 from equipoise.tasks.task import Balanced
 from equipoise.verbs.analyze import before_and_after

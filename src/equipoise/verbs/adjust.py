@@ -12,7 +12,8 @@ import numpy as np
 from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, thrift
 from equipoise.cases import Adjuster, Case, Settings, called, joined, share_of
-from equipoise.design import Certificate, Design
+from equipoise.certificate import Certificate
+from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError, nearest
 from equipoise.limits import Limit
 from equipoise.objective import Aim, leading

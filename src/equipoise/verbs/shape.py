@@ -10,7 +10,8 @@ import numpy as np
 
 from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, effort, thrift
-from equipoise.design import Active, Design
+from equipoise.certificate import Active
+from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError
 from equipoise.floors import floors
 from equipoise.limits import Limit
