@@ -426,7 +426,7 @@ def test_flat_directions_of_a_found_design_are_settled_by_least_stored_energy(sm
     design = small.designs[1]
     assert "settled by least stored energy" in " ".join(design.certificate.flat)
     monkeypatch.setattr(
-        "equipoise.verbs.shape._relaxed", lambda search, best, balanced, *_, **__: (search, best, balanced)
+        "equipoise.verbs.shape.relaxed", lambda search, best, balanced, *_, **__: (search, best, balanced)
     )
     sweep = eq.Sweep.sobol(design.mechanism, 64)
     first = eq.discover(design.mechanism, sweep, eq.Discover(2, candidates=400, contenders=2), objective=small.aim)
