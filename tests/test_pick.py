@@ -244,6 +244,8 @@ def test_design_picks_where_the_file_asks(problem, tmp_path, capsys):
     assert found["parts"][0]["order"] in page
     assert "What to order" in page
     assert "s1 breaks" in page
+    assert "Candidates tried" in page
+    assert "taken</td>" in page
     assert main(["verify", str(tmp_path / "out" / "design.json")]) == 0
 
 

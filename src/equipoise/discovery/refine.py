@@ -140,6 +140,11 @@ class Refiner:
         geometry = {name: float(value) for name, value in zip(names, local.gamma, strict=True)}
         return self._refined(parts.at(geometry), geometry, local.solution, local.excess)
 
+    def made(self, refined: Refined) -> Design:
+        """The design over few poses that refined parts make."""
+        limits = (*self.limits, *refined.parts.limits)
+        return balance(self.mechanism, refined.parts.balancers, self.few, objective=self.objective, limits=limits)
+
     def _refined(self, parts: Parts, geometry: Mapping[str, float], solution: Solution, excess: float) -> Refined:
         energy = storage(parts.balancers, self.states)
         place = {unknown.name: value for unknown, value in zip(solution.program.unknowns, solution.theta, strict=True)}

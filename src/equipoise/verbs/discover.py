@@ -17,6 +17,7 @@ from equipoise.interference.findings import clashes
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
+from equipoise.scattering import SAMPLES, Scatter, tolerance
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
 from equipoise.verbs.balance import balance
@@ -27,6 +28,8 @@ JUDGED = 40
 EXCESS = 1e-5
 NOTHING = 1e-6
 """Share of the bare value below which nothing is left."""
+BRIEFLY = 10_000
+"""Specimens by which contenders are judged."""
 FEW = 256
 """Poses over which contenders are refined."""
 ALIKE = 0.01
@@ -47,6 +50,7 @@ class _Found:
     notes: list[str] = field(default_factory=list)
     refined: Refined | None = None
     floor: float = 0.0
+    scatter: Scatter = field(default_factory=Scatter)
     stopped: bool = False
 
 
@@ -58,6 +62,7 @@ def discover(
     norm: Norm | None = None,
     objective: Aim | Sequence[Aim] | None = None,
     limits: Sequence[Limit] = (),
+    scatter: Scatter | None = None,
     progress: Progress | None = None,
 ) -> Discovery:
     """Find which springs to add, where, and how big: the front of their number against what motors still hold.
@@ -65,8 +70,9 @@ def discover(
     A dictionary of candidates is compressed to its rank and searched for the best subsets (pairs exhaustively, more
     by a beam with exchange); those that the objective's own norm ranks best, and the design before with the best
     candidate added, are refined by sequential convex programming; the best of each number is shaped over the whole
-    sweep (default: 2048 Sobol poses; default norm: peak). progress is called with (numbers done, numbers, value);
-    Ctrl-C returns what is finished. Raises InputError for an objective that is not the holding effort,
+    sweep (default: 2048 Sobol poses; default norm: peak). Where the objective is judged by its band under the scatter,
+    refined contenders, and numbers of parts, are ranked by that. progress is called with (numbers done, numbers,
+    value); Ctrl-C returns what is finished. Raises InputError for an objective that is not the holding effort,
     InfeasibleError where filters leave no candidate, naming what removed how many.
     """
     request = request or Discover()
@@ -85,7 +91,7 @@ def discover(
     search = Search.of(compressed, collection.dictionary.spots)
     ranked = search.best(request.springs, keep=JUDGED)
     bounds = bounds_of(collection, sweep, aim)
-    found = _Found()
+    found = _Found(scatter=scatter or Scatter())
     few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
     found.floor = max([bound.value for bound in bounds] + [NOTHING * refiner.bare])
@@ -150,6 +156,8 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
             parts = before.parts.with_one(collection.propose(index, count))
             _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
+    if aim.judged == "band":
+        sound = _by_band(found, refiner, count, sound)
     found.alternatives += [
         Alternative(count, places, one.value, f"it breaks a limit by {100 * one.excess:.2g} %")
         for places, one in tried
@@ -164,13 +172,29 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
     best = sound[0][1]
     for places, one in sound[1:]:
         if one.value > alike:
-            worse = f"refined as the winner was, which reached {best.value:.3g}"
+            reached = best.value if best.value > NOTHING * refiner.bare else 0.0
+            worse = f"refined as the winner was, which reached {reached:.3g}"
         elif one.energy > best.energy * (1 + ALIKE):
             worse = f"as good, but it stores {one.energy:.3g} J against {best.energy:.3g} J"
         else:
             worse = "as good: the search came to the same at another place"
         found.alternatives.append(Alternative(count, places, one.value, worse))
     found.refined = best
+
+
+def _by_band(
+    found: _Found, refiner: Refiner, count: int, sound: list[tuple[tuple[str, ...], Refined]]
+) -> list[tuple[tuple[str, ...], Refined]]:
+    """Refined contenders with the 95 % value of their band as their value."""
+    ranked = []
+    for places, one in sound:
+        try:
+            high = _banded(refiner.made(one), found.scatter, BRIEFLY).judged
+        except EquipoiseError as error:
+            found.alternatives.append(Alternative(count, places, one.value, error.message))
+        else:
+            ranked.append((places, replace(one, value=high)))
+    return ranked
 
 
 def _try(refiner: Refiner, parts: Parts, places: tuple[str, ...], tried: list[tuple[tuple[str, ...], Refined]]) -> None:
@@ -203,7 +227,7 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
     least = found.values[-1] if found.values else refiner.bare
-    if best.value > least * (1 - BETTER):
+    if aim.judged == "nominal" and best.value > least * (1 - BETTER):
         found.alternatives.append(Alternative(count, places, best.value, "one part more gains next to nothing"))
         return
     try:
@@ -224,9 +248,15 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
     except EquipoiseError as error:
         found.alternatives.append(Alternative(count, places, best.value, error.message))
         return
-    value = design.reached(aim)
-    if found.values and value > found.values[-1] * (1 - BETTER):
-        found.alternatives.append(Alternative(count, places, value, "one part more gains next to nothing"))
+    if aim.judged == "band":
+        design = _banded(design, found.scatter, SAMPLES)
+    if found.designs and design.judged > found.designs[-1].judged * (1 - BETTER):
+        found.alternatives.append(Alternative(count, places, design.judged, "one part more gains next to nothing"))
         return
     found.designs.append(design)
-    found.values.append(value)
+    found.values.append(design.reached(aim))
+
+
+def _banded(design: Design, scatter: Scatter, samples: int) -> Design:
+    """The design with its tolerance band."""
+    return replace(design, tolerance=tolerance(design, scatter, samples=samples))

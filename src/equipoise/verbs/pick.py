@@ -114,7 +114,7 @@ def pick(design: Design, request: Pick | None = None, *, seed: int = 0, progress
         search = _Search(found, balancers, free, catalogue, removed, request.parallel, request.keep, seed)
         found, balancers, choice = search.best(name, progress)
         choices.append(choice)
-    return Picked(found, design, tuple(choices))
+    return Picked(replace(found, choices=tuple(choices)), design, tuple(choices))
 
 
 def _chosen(design: Design, request: Pick) -> list[str]:
