@@ -348,6 +348,8 @@ def cycle(samples: int = 10_000, looped: int = 250) -> None:
     loop = best_of(1, plain) * samples / looped
     fresh = best_of(2, lambda: eq.analyze(replace(arm, _batches={}), sweep))
     line("analyze a 3-RRR cycle, 10 000 samples", "MuJoCo instant by instant (scaled)", loop, fresh)
+    told = best_of(2, lambda: eq.analyze(replace(arm, _batches={}), sweep).machine)
+    line("the same with motors and 9 bearings", "MuJoCo instant by instant (scaled)", loop, told, "baseline as above")
 
 
 def survey() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import equipoise as eq
-from equipoise.design import Active
+from equipoise.certificate import Active
 from equipoise.reporting import numbers, phrases, words
 from equipoise.reporting.html import page
 from equipoise.reporting.jsonfile import strict

@@ -15,7 +15,7 @@ _HOME = {
     "Point": "mechanism",
     "Platform": "mechanism",
     "Sweep": "sweep",
-    "Payload": "sweep",
+    "Payload": "payload",
     "States": "states",
     "Affine": "affine",
     "Block": "affine",
@@ -575,6 +575,7 @@ if TYPE_CHECKING:
     from equipoise.parts.grid import MakeableGrid
     from equipoise.parts.importer import read_catalogue
     from equipoise.parts.request import Pick
+    from equipoise.payload import Payload
     from equipoise.placement import Placing, Zone
     from equipoise.problem import Problem, load_problem
     from equipoise.rubbing import DeadBand, dead_band
@@ -583,7 +584,7 @@ if TYPE_CHECKING:
     from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
-    from equipoise.sweep import Payload, Sweep
+    from equipoise.sweep import Sweep
     from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
     from equipoise.verbs.adjust import Adjusted, adjust

@@ -167,6 +167,16 @@ def as_objective(norm: Norm | None, objective: Aim | Sequence[Aim] | None) -> tu
     return aims
 
 
+def minimised(objective: Sequence[Aim]) -> Sequence[Aim]:
+    """The aims that are made small: those without a cap."""
+    return tuple(aim for aim in objective if aim.cap is None)
+
+
+def leading(objective: Sequence[Aim]) -> Aim:
+    """The first aim that is made small: its norm and unit speak for the objective."""
+    return minimised(objective)[0]
+
+
 def joint_goal(objective: Sequence[Aim], moving: bool) -> str:
     """What the rows of the driven joints mean: what motors supply over a motion, unless `hold` was asked for."""
     asked = {aim.goal for aim in objective}

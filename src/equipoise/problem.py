@@ -207,9 +207,11 @@ class Problem:
         changes = dict(self.raw["cases"][index])
         label = str(changes.pop("case", "")) or ", ".join(f"{name} {value}" for name, value in changes.items())
         block: Any = self.raw["mechanism"]
-        key = next(iter(block)) if isinstance(block, Mapping) else block
-        own = {} if isinstance(block, str) else block[key]
-        whole = {**dict(block), **changes} if "model" in block else {key: {**(own or {}), **changes}}
+        if isinstance(block, Mapping) and "model" in block:
+            whole: dict[str, Any] = {**block, **changes}
+        else:
+            builder, own = next(iter(block.items())) if isinstance(block, Mapping) else (block, None)
+            whole = {builder: {**(own or {}), **changes}}
         kept = {name: value for name, value in self.raw.items() if name not in ("cases", "adjust", "tilt")}
         with self.at("cases", index):
             other = problem_of(Document("", kept | {"mechanism": whole}), self.folder)

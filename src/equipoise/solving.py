@@ -9,6 +9,7 @@ from equipoise.console import Interrupts, progress_bar, say
 from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.make.synthesis import Part
+from equipoise.objective import leading
 from equipoise.problem import Problem
 from equipoise.targets import Target, needs_problem, target_of
 from equipoise.verbs import balance as verbs_balance
@@ -86,7 +87,7 @@ def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adju
     from equipoise.verbs.adjust import adjust
 
     search = problem.search
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("adjust", "starts", unit) as progress:
         found = adjust(
             problem.cases,
@@ -132,7 +133,7 @@ def discovered(problem: Problem) -> tuple[Discovery, bool]:
     """The front of a problem, with progress on stderr; whether Ctrl-C cut the search short."""
     from equipoise.verbs.discover import discover
 
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("discover", "numbers of parts", unit) as progress:
 
         def tell(done: int, most: int, value: float) -> None:
@@ -212,7 +213,7 @@ def banded(design: Design, problem: Problem) -> Design:
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:
     """Geometry and unknowns, with progress on stderr; whether Ctrl-C cut the search short."""
     search = problem.search
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("shape", "starts", unit) as progress:
         found = verbs_shape.shape(
             problem.mechanism,

@@ -22,7 +22,8 @@ from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Term
 from equipoise.solve.shape import Freedom, Local, descend
 from equipoise.sweep import Sweep
-from equipoise.verbs.balance import Task, balance, task_of
+from equipoise.tasks import Task, task_of
+from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import load_of
 
 ITERATIONS = 40

@@ -104,12 +104,11 @@ def _leads(ax: Axes, sketch: Sketch, view: View, size: float, name: str, colour:
 
 def _ring(centre: Array, axis: Array, radius: Array, turns: int = 1) -> Array:
     """Points (P, 3) at radii (P,) around an axis."""
-    first: Array = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    first = np.asarray(np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())]), dtype=float)
     first /= np.linalg.norm(first)
-    second: Array = np.cross(axis / np.linalg.norm(axis), first)
+    second = np.asarray(np.cross(axis / np.linalg.norm(axis), first), dtype=float)
     angle = np.linspace(0.0, 2 * np.pi * turns, len(radius))[:, None]
-    ring: Array = centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
-    return ring
+    return centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
 
 
 def _spring(ax: Axes, a: Array, b: Array, width: float, colour: str) -> None:

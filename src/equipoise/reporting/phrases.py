@@ -8,8 +8,9 @@ from math import isfinite
 from typing import Any
 
 from equipoise.balancers.laws.law import FORCE
-from equipoise.design import Active, Design
-from equipoise.objective import joint_goal
+from equipoise.certificate import Active
+from equipoise.design import Design
+from equipoise.objective import joint_goal, minimised
 from equipoise.parameters import tag
 from equipoise.reporting.numbers import (
     SHOWN,
@@ -264,7 +265,7 @@ def energy_words(part: Mapping[str, Any]) -> str:
 
 def goal_word(design: Design) -> str:
     """What a price lowers: `the peak`, or the weighted objective of several aims."""
-    aims = [aim for aim in design.objective if aim.cap is None]
+    aims = minimised(design.objective)
     return f"the {aims[0].norm}" if len(aims) == 1 else "the objective"
 
 

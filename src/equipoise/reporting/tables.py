@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
-from equipoise.design import Design, Row
+from equipoise.design import Design
 from equipoise.reporting import phrases
 from equipoise.reporting.markup import Raw, clean, element, join, listing, section, small, table
 from equipoise.reporting.numbers import percent, plain, quantity, seen, shown, sig, sort_out, span
 from equipoise.reporting.pathwords import path_words
 from equipoise.reporting.rehearsal import motion_table
+from equipoise.row import Row
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Bound

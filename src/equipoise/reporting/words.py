@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from equipoise.balancers.paths import Line
-from equipoise.design import Design, Row
+from equipoise.design import Design
 from equipoise.reporting import cablewords, machinery, phrases
 from equipoise.reporting.friction import friction_words
 from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
 from equipoise.reporting.numbers import percent, plain, seen, sig, sort_out
 from equipoise.reporting.pathwords import path_words
 from equipoise.reporting.tolerance import tolerance_words
+from equipoise.row import Row
 
 if TYPE_CHECKING:
     from equipoise.verbs.analyze import Analysis

@@ -12,17 +12,19 @@ import numpy as np
 from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, thrift
 from equipoise.cases import Adjuster, Case, Settings, called, joined, share_of
-from equipoise.design import Certificate, Design
+from equipoise.certificate import Certificate
+from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError, nearest
 from equipoise.limits import Limit
-from equipoise.objective import Aim
+from equipoise.objective import Aim, leading
 from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.peaks import STARTS
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program
 from equipoise.solve.shape import Build, Freedom, Local, Optima, by_least_squares, descend
 from equipoise.solve.sharpen import vanish
 from equipoise.states import States
-from equipoise.verbs.balance import STARTS, Balanced, Task, active_limits, between, finish, is_exact, task_of
+from equipoise.tasks import Balanced, Task, active_limits, between, finish, is_exact, task_of
 from equipoise.verbs.shape import COARSE, REFINED, Progress, descend_all, freedom_of, load_of, once, thinned
 
 NO_EFFECT = 1e-12
@@ -353,7 +355,7 @@ def _finished(family: _Family, optima: Optima) -> Adjusted:
 
 def _certificate(family: _Family, optima: Optima, parts: Sequence[Balanced]) -> Certificate:
     """`exact` where every case is, else `local` over free geometry or `convex`."""
-    best, aim = optima.best, next(aim for aim in family.tasks[0].objective if aim.cap is None)
+    best, aim = optima.best, leading(family.tasks[0].objective)
     unit = aim.unit(family.tasks[0].mechanism)
     program = best.solution.program
     merits = [local.merit for local in optima.found]

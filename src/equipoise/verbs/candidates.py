@@ -14,6 +14,7 @@ from equipoise.affine import Array
 from equipoise.assemble import Balancer
 from equipoise.balancers.laws import Law, Linear, WireMass
 from equipoise.balancers.spring import Spring
+from equipoise.objective import leading
 from equipoise.parameters import candidates, unit_of, write
 from equipoise.parts.catalogue import Catalogue
 from equipoise.parts.ranking import Line
@@ -22,9 +23,9 @@ from equipoise.solve.program import Program, norm_value
 from equipoise.solve.shape import Freedom
 from equipoise.solve.sift import Sifted, evenly, sift
 from equipoise.states import States
+from equipoise.tasks import Task
 from equipoise.thinning import Few, thin
 from equipoise.units import Mass
-from equipoise.verbs.balance import Task
 
 GEOMETRIES = 8192
 BEGINNINGS = 4
@@ -67,7 +68,7 @@ class Work:
     @property
     def norm(self) -> str:
         """The norm that ranks."""
-        return next(aim.norm for aim in self.task.objective if aim.cap is None)
+        return leading(self.task.objective).norm
 
     @property
     def units(self) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import shape
 
 if TYPE_CHECKING:
-    from equipoise.design import Row
+    from equipoise.row import Row
 
 STARTS = 4
 ROWS = 181

@@ -10,7 +10,8 @@ import numpy as np
 
 from equipoise.affine import Array, Geometry
 from equipoise.assemble import Balancer, effort, thrift
-from equipoise.design import Active, Design
+from equipoise.certificate import Active
+from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError
 from equipoise.floors import floors
 from equipoise.limits import Limit
@@ -37,8 +38,8 @@ from equipoise.solve.shape import (
 from equipoise.solve.sharpen import sharpen, vanish
 from equipoise.states import States
 from equipoise.sweep import Sweep
+from equipoise.tasks import Balanced, Task, attempt, certify, finish, settle, task_of
 from equipoise.units import text
-from equipoise.verbs.balance import Balanced, Task, certify, finish, settle, task_of
 
 COARSE = 400
 PER_START = 24
@@ -128,7 +129,8 @@ def shape(
     search, best, balanced = _refine(search, best, load)
     best, balanced = _spare(search, best, balanced, load)
     if (exact := vanish(search.builder(balanced.states), freedoms, best)) is not best:
-        best, balanced = exact, settle(search.at(exact.gamma))
+        whole = attempt(search.at(exact.gamma))
+        best, balanced = (exact, whole) if whole.broken is None else (best, balanced)
     balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, replace(optima, found=(best, *optima.found[1:])), balanced)
 
@@ -325,13 +327,15 @@ def _present(search: _Search) -> Array | None:
 
 def _refine(search: _Search, best: Local, load: float, **options: Any) -> tuple[_Search, Local, Balanced]:
     """Add the poses between the samples that exceed the peak, and descend again, until none does."""
-    balanced = settle(search.at(best.gamma))
+    balanced = attempt(search.at(best.gamma))
     for _ in range(REFINED):
         if not balanced.refined:
             break
         search = search.over(balanced.task.sweep)
         best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02, **options)
-        balanced = settle(search.at(best.gamma))
+        balanced = attempt(search.at(best.gamma))
+    if balanced.broken is not None:
+        raise balanced.broken
     return search.over(balanced.task.sweep), best, balanced
 
 
@@ -345,8 +349,8 @@ def _spare(search: _Search, best: Local, balanced: Balanced, load: float) -> tup
         thrifty = _thrifty(search, best, value * (1 + SLACK / 2))
         if thrifty is None:
             break
-        found = settle(search.at(thrifty.gamma))
-        if found.solution.objective <= value * (1 + SLACK):
+        found = attempt(search.at(thrifty.gamma))
+        if found.broken is None and found.solution.objective <= value * (1 + SLACK):
             return thrifty, found
         if not found.refined:
             break
