@@ -424,6 +424,23 @@ def test_a_front_reads_in_workshop_words(small, monkeypatch):
     assert all(" and ".join(one.places) in " ".join(told.split()) for one in small.alternatives)
 
 
+def test_numbers_of_parts_are_judged_by_the_band_where_asked(small):
+    """A target between one spring's value and its 95 % value asks for the second spring."""
+    mech, sweep = small.designs[0].mechanism, eq.Sweep.sobol(small.designs[0].mechanism, 64)
+    between = (small.values[0] + small.highs[0]) / 2
+    request = eq.Discover(2, candidates=400, contenders=2)
+    plain = eq.Aim(norm="peak", target=between)
+    nominal = eq.discover(mech, sweep, eq.Discover(1, candidates=400, contenders=2), objective=plain)
+    assert nominal.recommended == 0
+    assert not nominal.designs[0].missed
+    banded = eq.discover(mech, sweep, request, objective=replace(plain, judged="band"))
+    assert "the 95 % value of the peak is" in banded.designs[0].missed
+    assert banded.recommended == 1
+    assert banded.highs[1] == banded.designs[1].judged < between
+    assert banded.json()["highs"] == list(banded.highs)
+    assert "95 % value: met with 2 parts" in str(banded)
+
+
 def test_flat_directions_of_a_found_design_are_settled_by_least_stored_energy(small, monkeypatch):
     """The same search that stops at the first of the equal optima stores more, and reaches no more."""
     design = small.designs[1]

@@ -119,7 +119,7 @@ class Design:
 
         The band counts once it is known (`tolerance`).
         """
-        aim = next(aim for aim in self.objective if aim.cap is None)
+        aim = leading(self.objective)
         found = self.tolerance if aim.judged == "band" else None
         return self.reached(aim) if found is None else found.band.high
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
+from equipoise.objective import leading
 from equipoise.reporting import phrases
 from equipoise.reporting.markup import Raw, element, join, listing, prose, section, small, table
 from equipoise.reporting.numbers import percent, quantity, sig, sort_out
@@ -65,37 +66,30 @@ def _springs(design: Design) -> list[Spring]:
 
 def tried(design: Design) -> Raw | str:
     """The parts tried for each spring with what they reached, and what took the others out; nothing where none was."""
-    aim = next(aim for aim in design.objective if aim.cap is None)
+    aim = leading(design.objective)
     unit = aim.unit(design.mechanism)
+    head = ["rank", "part", "in parallel", f"{aim.norm}, shaped around it", "95 % value", ""]
     blocks = []
     for choice in design.choices:
         rows = [
             [
                 str(rank),
-                line.part,
-                str(line.number),
-                value_words(value, unit, 4),
-                "taken" if line is choice.line else "",
+                one.line.part,
+                str(one.line.number),
+                value_words(one.value, unit),
+                "" if one.high is None else value_words(one.high, unit),
+                "taken" if one.line is choice.line else "",
             ]
-            for rank, (line, value) in enumerate(choice.tried, 1)
+            for rank, one in enumerate(choice.tried, 1)
         ]
-        count = len(choice.ranking.lines) + choice.ranking.outranked
-        said = [f"{count} candidates of {choice.ranking.catalogue.name} for {choice.spring}"]
-        said += [f"{n} left out by {words}" for words, n in choice.removed.items()]
-        said += (
-            [f"{choice.ranking.outranked} put behind the others by the closed form"] if choice.ranking.outranked else []
-        )
-        said += [f"{n} refused: {words}" for words, n in choice.refused.items()]
-        head = ["rank", "part", "in parallel", f"{aim.norm}, shaped around it", ""]
-        blocks += [element("h3", f"{choice.spring}: {choice.order}"), table(head, rows, numbers=2), listing(said)]
-        blocks += [listing(choice.ranking.catalogue.remarks)] if choice.ranking.catalogue.remarks else []
-    if not blocks:
-        return ""
-    lead = (
-        "Every candidate is optimised with the geometry that is free; the best are shaped with the design's own norm \
-and limits, and the best of those stays."
-    )
-    return section("Candidates tried", *blocks, lead=lead)
+        behind = choice.ranking.outranked
+        said = [f"{len(choice.ranking.lines) + behind} candidates of {choice.ranking.catalogue.name}"]
+        said += [f"{count} left out by {words}" for words, count in choice.removed.items()]
+        said += [f"{behind} put behind the others by the closed form"] if behind else []
+        said += [f"{count} refused: {words}" for words, count in choice.refused.items()]
+        blocks += [element("h3", f"{choice.spring}: {choice.order}"), table(head, rows, numbers=2)]
+        blocks.append(listing([*said, *choice.ranking.catalogue.remarks]))
+    return section("Candidates tried", *blocks, lead=TRIED) if blocks else ""
 
 
 def broken(design: Design) -> Raw | str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
-from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, built, judge
+from equipoise.discovery.refine import Parts, Refined, Refiner, additions, built, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
@@ -17,11 +17,10 @@ from equipoise.interference.findings import clashes
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
-from equipoise.scattering import SAMPLES, Scatter, tolerance
+from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
-from equipoise.verbs.balance import balance
-from equipoise.verbs.shape import descended, thinned
+from equipoise.verbs.shape import thinned
 
 JUDGED = 40
 """Subsets per number of springs that are judged by the objective's own norm."""
@@ -34,8 +33,6 @@ FEW = 256
 """Poses over which contenders are refined."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
-DETOUR = 1e-3
-"""Share of the bare value by which a design may get worse on its way to less stored energy."""
 
 Progress = Callable[[int, int, float], None]
 
@@ -189,11 +186,9 @@ def _by_band(
     ranked = []
     for places, one in sound:
         try:
-            high = _banded(refiner.made(one), found.scatter, BRIEFLY).judged
+            ranked.append((places, refiner.banded(one, found.scatter, BRIEFLY)))
         except EquipoiseError as error:
             found.alternatives.append(Alternative(count, places, one.value, error.message))
-        else:
-            ranked.append((places, replace(one, value=high)))
     return ranked
 
 
@@ -223,7 +218,6 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
     best = found.refined
     assert best is not None
     parts = best.parts
-    limits = (*refiner.limits, *parts.limits)
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
     least = found.values[-1] if found.values else refiner.bare
@@ -231,32 +225,14 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
         found.alternatives.append(Alternative(count, places, best.value, "one part more gains next to nothing"))
         return
     try:
-        if parts.free:
-            shaped = descended(
-                refiner.mechanism,
-                parts.balancers,
-                sweep,
-                parts.free,
-                objective=refiner.objective,
-                limits=limits,
-                precision=PRECISION,
-                detour=DETOUR,
-            )
-            design = built(parts, shaped)
-        else:
-            design = balance(refiner.mechanism, parts.balancers, sweep, objective=refiner.objective, limits=limits)
+        design = built(parts, refiner.shaped(parts, sweep))
     except EquipoiseError as error:
         found.alternatives.append(Alternative(count, places, best.value, error.message))
         return
     if aim.judged == "band":
-        design = _banded(design, found.scatter, SAMPLES)
+        design = replace(design, tolerance=tolerance(design, found.scatter))
     if found.designs and design.judged > found.designs[-1].judged * (1 - BETTER):
         found.alternatives.append(Alternative(count, places, design.judged, "one part more gains next to nothing"))
         return
     found.designs.append(design)
     found.values.append(design.reached(aim))
-
-
-def _banded(design: Design, scatter: Scatter, samples: int) -> Design:
-    """The design with its tolerance band."""
-    return replace(design, tolerance=tolerance(design, scatter, samples=samples))
