@@ -165,7 +165,7 @@ _HOME = {
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "adjust": "verbs.adjust",
-    "Adjusted": "verbs.adjust",
+    "Adjusted": "verbs.adjusted",
     "Adjuster": "cases",
     "Case": "cases",
     "by_payload": "cases",
@@ -186,12 +186,14 @@ _HOME = {
     "ExtensionSpring": "parts",
     "GasSpring": "parts",
     "StockSpring": "parts",
+    "WindableSpring": "parts",
     "TorsionSpring": "parts",
     "grade": "parts",
     "grades": "parts",
     "preferred_sizes": "parts",
     "Catalogue": "parts.catalogue",
     "MakeableGrid": "parts.grid",
+    "Makeable": "parts.makeable",
     "Pick": "parts.request",
     "read_catalogue": "parts.importer",
     "pick": "verbs.pick",
@@ -289,6 +291,7 @@ __all__ = [
     "Link",
     "LoopError",
     "Machine",
+    "Makeable",
     "MakeableGrid",
     "MassCap",
     "Mechanism",
@@ -342,6 +345,7 @@ __all__ = [
     "Unknown",
     "Weight",
     "WindUp",
+    "WindableSpring",
     "Winding",
     "WireMass",
     "ZeroFreeLength",
@@ -567,6 +571,7 @@ if TYPE_CHECKING:
         GasSpring,
         StockSpring,
         TorsionSpring,
+        WindableSpring,
         grade,
         grades,
         preferred_sizes,
@@ -574,6 +579,7 @@ if TYPE_CHECKING:
     from equipoise.parts.catalogue import Catalogue
     from equipoise.parts.grid import MakeableGrid
     from equipoise.parts.importer import read_catalogue
+    from equipoise.parts.makeable import Makeable
     from equipoise.parts.request import Pick
     from equipoise.payload import Payload
     from equipoise.placement import Placing, Zone
@@ -587,7 +593,8 @@ if TYPE_CHECKING:
     from equipoise.sweep import Sweep
     from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
-    from equipoise.verbs.adjust import Adjusted, adjust
+    from equipoise.verbs.adjust import adjust
+    from equipoise.verbs.adjusted import Adjusted
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.certify import certify

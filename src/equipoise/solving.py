@@ -17,7 +17,7 @@ from equipoise.verbs import shape as verbs_shape
 
 if TYPE_CHECKING:
     from equipoise.discovery.front import Discovery
-    from equipoise.verbs.adjust import Adjusted
+    from equipoise.verbs.adjusted import Adjusted
 
 
 def solvable_problem(file: str, verb: str) -> Problem:
@@ -122,11 +122,13 @@ def bracketed(design: Design, problem: Problem) -> tuple[Design, bool]:
     return found, interrupts.hit
 
 
-def discovery(file: str, payload: str | None, at: str | None, springs: int | None, kinds: str | None) -> Problem:
+def discovery(
+    file: str, payload: str | None, at: str | None, springs: int | None, kinds: str | None, make: str | None
+) -> Problem:
     """The problem that a discovery works on: a file's own `discover` block, or a robot's, changed by what was said."""
     from equipoise.discovery.ask import asked
 
-    return asked(_target(file), payload, at, springs, kinds)
+    return asked(_target(file), payload, at, springs, kinds, make)
 
 
 def discovered(problem: Problem) -> tuple[Discovery, bool]:

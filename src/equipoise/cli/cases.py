@@ -11,7 +11,7 @@ from equipoise.console import say, staging
 
 if TYPE_CHECKING:
     from equipoise.problem import Problem
-    from equipoise.verbs.adjust import Adjusted
+    from equipoise.verbs.adjusted import Adjusted
 
 
 def cases_answer(found: Adjusted, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:

@@ -25,11 +25,12 @@ def discover(
     at: Annotated[str | None, typer.Option("--at", metavar="BODY", help="The body that carries them.")] = None,
     springs: Annotated[int | None, typer.Option("--springs", min=1, help="The largest number of springs.")] = None,
     kinds: Annotated[str | None, typer.Option("--kinds", metavar="LIST", help="zero_free_length,coil,...")] = None,
+    make: Annotated[str | None, typer.Option("--make", metavar="GRADE", help="Springs wound of a wire: SH.")] = None,
 ) -> int:
     """Which springs at all: the best designs with 1, 2, 3, ... of them, verified."""
     from equipoise.solving import discovered, discovery
 
-    problem = discovery(file, payload, at, springs, kinds)
+    problem = discovery(file, payload, at, springs, kinds, make)
     front, stopped = discovered(problem)
     return _fronted(front, problem, json, out, stopped)
 

@@ -13,6 +13,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection
 from equipoise.discovery.kinds import Batch, Proposal
+from equipoise.discovery.reach import with_extremes
 from equipoise.discovery.subsets import Search, Subset
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
@@ -87,8 +88,8 @@ def built(parts: Parts, design: Design) -> Design:
     )
 
 
-def judge(collection: Collection, subset: Subset, norm: Norm) -> float:
-    """The objective's own norm of a subset at the best 0 <= k <= most, over the dictionary's states."""
+def judge(collection: Collection, subset: Subset, norm: Norm) -> tuple[float, tuple[float, ...]]:
+    """The objective's own norm of a subset at the best 0 <= k <= most, and k as shares of the most."""
     dictionary = collection.dictionary
     A = dictionary.columns(subset).reshape(-1, dictionary.blocks, len(subset))
     scenarios = len(dictionary.loads)
@@ -96,7 +97,8 @@ def judge(collection: Collection, subset: Subset, norm: Norm) -> float:
     weight = np.tile(dictionary.weight[:: dictionary.blocks], scenarios)
     unknowns = tuple(Unknown(str(index), "", 0.0, 1.0) for index in subset)
     term = Term("hold", norm, b, np.tile(A, (scenarios, 1, 1)), weight / weight.sum(), (1,) * dictionary.blocks)
-    return solve(Program(unknowns, (term,))).objective
+    found = solve(Program(unknowns, (term,)))
+    return found.objective, tuple(float(share) for share in found.theta)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +111,11 @@ class Refined:
     value: float
     excess: float
     energy: float
+    values: Mapping[str, float]
+
+    def of(self, balancer: Balancer) -> dict[str, float]:
+        """The unknowns of one balancer by parameter."""
+        return {u.name.removeprefix(f"{balancer.name}."): self.values[u.name] for u in balancer.unknowns}
 
 
 class Refiner:
@@ -121,6 +128,12 @@ class Refiner:
         bare = effort(mechanism, (), self.states)
         aim = next(aim for aim in self.objective if aim.cap is None)
         self.bare = aim.weight * aim.term(mechanism, bare, self.states.weight, bare).value(np.zeros(0))
+
+    def with_extremes(self, parts: Parts) -> Refiner:
+        """The same over the poses at which springs are shortest and longest, too."""
+        return Refiner(
+            self.mechanism, with_extremes(self.mechanism, parts.balancers, self.few), self.objective, self.limits
+        )
 
     def task(self, parts: Parts) -> Task:
         """The question that parts pose."""
@@ -175,21 +188,26 @@ class Refiner:
         energy = storage(parts.balancers, self.states)
         place = {unknown.name: value for unknown, value in zip(solution.program.unknowns, solution.theta, strict=True)}
         stored = energy.at(np.array([place[unknown.name] for unknown in energy.unknowns])).sum(axis=-1)
-        return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)))
+        return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)), place)
 
 
-def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[int]:
-    """Candidates that best join parts already refined, whose own unknowns stay free."""
-    total = effort(collection.scene.ground.mechanism, refined.parts.balancers, collection.scene.states)
-    columns = collection.scene.counted(np.moveaxis(total.A, -1, 0)).T
+def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[tuple[int, float]]:
+    """Candidates that best join parts already refined, whose own unknowns stay free, and the share of their most."""
+    scene = collection.scene
+    total = effort(scene.ground.mechanism, refined.parts.balancers, scene.states)
+    columns = scene.counted(np.moveaxis(total.A, -1, 0)).T
+    fixed = scene.counted(total.b - scene.states.holding)
     size = np.maximum(2.0 * np.abs(refined.theta), 1e-12)
     there = Batch("there", columns, None, size, np.arange(len(size)), _never)
     dictionary = replace(collection.dictionary, batches=(*collection.dictionary.batches, there))
     first = len(collection.dictionary)
-    search = Search.of(dictionary.compress(emphasis), dictionary.spots)
-    value = search.extended(tuple(range(first, first + len(size))))[:first]
+    members = tuple(range(first, first + len(size)))
+    search = Search.of(dictionary.compress(emphasis, fixed), dictionary.spots)
+    value = search.extended(members)[:first]
     order = np.argsort(value, kind="stable")[:count]
-    return [int(index) for index in order if np.isfinite(value[index])]
+    return [
+        (int(index), float(search.solve((*members, int(index)))[1][-1])) for index in order if np.isfinite(value[index])
+    ]
 
 
 def _never(index: int, name: str) -> Proposal:

@@ -7,7 +7,7 @@ from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.front import Alternative, Bound, Discovery
 from equipoise.interference.findings import clash_words
-from equipoise.reporting import phrases
+from equipoise.reporting import limitwords, phrases
 from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
 from equipoise.reporting.numbers import percent, plain, quantity, shown, sig
 from equipoise.reporting.tolerance import tolerance_words
@@ -92,8 +92,8 @@ def limited_words(front: Discovery, index: int) -> str:
             return f"floor: {bound.row}'s own load" if bound.cause == "own" else f"floor: the payload at {bound.row}"
     for floor in design.certificate.floors:
         return f"{floor.row}, which no part reaches" if floor.cause == "own" else f"the payload at {floor.row}"
-    dear = [active for active in design.certificate.active if not phrases.is_natural(active)]
-    return phrases.limit_words(dear[0].limit) if dear else "number and kind of the parts"
+    dear = [active for active in design.certificate.active if not limitwords.is_natural(active)]
+    return limitwords.limit_words(dear[0].limit) if dear else "number and kind of the parts"
 
 
 def told(front: Discovery) -> list[tuple[str, str]]:
@@ -146,7 +146,7 @@ def _design(front: Discovery, index: int) -> list[str]:
     )  # fmt: skip
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
         lines += part_lines(part, balancer, design)
-    for words in phrases.limited_by(design)[:3]:
+    for words in limitwords.limited_by(design)[:3]:
         lines += labelled("limited by", words)
     for words in clash_words(front.clashes[index]) if front.clashes else ():
         lines += labelled("clashes", words)

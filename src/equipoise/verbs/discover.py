@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
+from equipoise.discovery.making import unweighed, weighed, wound
+from equipoise.discovery.reach import with_extremes
 from equipoise.discovery.refine import Parts, Refined, Refiner, additions, built, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
@@ -17,9 +19,11 @@ from equipoise.interference.findings import clashes
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
+from equipoise.parts.makeable import Makeable
 from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
+from equipoise.units import text
 from equipoise.verbs.shape import thinned
 
 JUDGED = 40
@@ -31,6 +35,8 @@ BRIEFLY = 10_000
 """Specimens by which contenders are judged."""
 FEW = 256
 """Poses over which contenders are refined."""
+WOUND = 2
+"""Refined choices per number of springs that are wound, where that is asked for."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
 
@@ -46,6 +52,7 @@ class _Found:
     alternatives: list[Alternative] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     refined: Refined | None = None
+    made: Refined | None = None
     floor: float = 0.0
     scatter: Scatter = field(default_factory=Scatter)
     stopped: bool = False
@@ -98,9 +105,9 @@ def discover(
                 found.notes.append(f"the floor is reached with {len(found.designs[-1].balancers)}: no more were tried")
                 break
             if count in ranked:
-                _one(found, collection, refiner, ranked[count], count, aim)
-                if found.refined is not None:
-                    _finish(found, refiner, sweep, aim)
+                _one(found, collection, refiner, ranked[count], count, aim, request.make)
+                if found.refined is not None and found.made is not None:
+                    _finish(found, refiner, sweep, aim, found.refined, found.made)
             if progress:
                 progress(count, request.springs, found.values[-1] if found.values else float("nan"))
     except KeyboardInterrupt:
@@ -140,18 +147,29 @@ def _before(design: Design, aim: Aim) -> float:
     return replace(design, after=design.before).reached(aim)
 
 
-def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked, count: int, aim: Aim) -> None:
+def _one(
+    found: _Found,
+    collection: Collection,
+    refiner: Refiner,
+    ranked: Ranked,
+    count: int,
+    aim: Aim,
+    make: Makeable | None,
+) -> None:
     """Refine the contenders of one number of springs and keep the best."""
-    contenders = _contenders(collection, ranked, aim.norm)
     tried: list[tuple[tuple[str, ...], Refined]] = []
-    for subset in contenders:
-        parts = Parts.of([collection.propose(i, k) for k, i in enumerate(subset, 1)])
-        _try(refiner, parts, collection.dictionary.places(subset), tried)
+    for subset, shares in _contenders(collection, ranked, aim.norm):
+        parts = Parts.of(
+            [collection.propose(i, k, share) for k, (i, share) in enumerate(zip(subset, shares, strict=True), 1)]
+        )
+        _try(refiner, parts, collection.dictionary.places(subset), tried, make)
     before = found.refined
     if before is not None and len(before.parts.balancers) == count - 1:
-        for index in additions(collection, before, None, 1):
-            parts = before.parts.with_one(collection.propose(index, count))
-            _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried)
+        before = before if make is None else refiner.refine(replace(unweighed(before), free={}))
+        for index, share in additions(collection, before, None, 1):
+            parts = before.parts.with_one(collection.propose(index, count, share))
+            parts = replace(parts, free={**(found.refined or before).parts.free, **parts.free})
+            _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried, make)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
     if aim.judged == "band":
         sound = _by_band(found, refiner, count, sound)
@@ -161,7 +179,7 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
         if one.excess > EXCESS
     ]
     if not sound:
-        found.refined = None
+        found.refined = found.made = None
         return
     least = min(one.value for _, one in sound)
     alike = max(least * (1 + ALIKE), NOTHING * refiner.bare)
@@ -176,7 +194,9 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
         else:
             worse = "as good: the search came to the same at another place"
         found.alternatives.append(Alternative(count, places, one.value, worse))
-    found.refined = best
+    found.refined = found.made = best
+    if make is not None:
+        found.refined, found.made = _made(found, refiner, [one for _, one in sound[:WOUND]], make)
 
 
 def _by_band(
@@ -192,32 +212,54 @@ def _by_band(
     return ranked
 
 
-def _try(refiner: Refiner, parts: Parts, places: tuple[str, ...], tried: list[tuple[tuple[str, ...], Refined]]) -> None:
+def _made(
+    found: _Found, refiner: Refiner, sound: Sequence[Refined], make: Makeable
+) -> tuple[Refined | None, Refined | None]:
+    """Of the best refined parts those that are best once they are wound: as they were, and wound."""
+    best: tuple[Refined | None, Refined | None] = (None, None)
+    for one in sound:
+        names = tuple(balancer.name for balancer in one.parts.balancers)
+        try:
+            made = wound(refiner, one, make)
+        except EquipoiseError as error:
+            found.alternatives.append(Alternative(len(names), names, one.value, error.message))
+            continue
+        if made.excess > EXCESS:
+            reason = f"wound to round sizes it breaks a limit by {100 * made.excess:.2g} %"
+            found.alternatives.append(Alternative(len(names), names, made.value, reason))
+        elif best[1] is None or made.value < best[1].value:
+            best = one, made
+    return best
+
+
+def _try(
+    refiner: Refiner,
+    parts: Parts,
+    places: tuple[str, ...],
+    tried: list[tuple[tuple[str, ...], Refined]],
+    make: Makeable | None,
+) -> None:
     try:
-        tried.append((places, refiner.refine(parts)))
+        found = refiner.refine(parts)
+        tried.append((places, found if make is None else weighed(refiner, found, make)))
     except InfeasibleError:
         return
 
 
-def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[Subset]:
-    """The subsets that the objective's own norm ranks best, those at different places first."""
-    judged = sorted((judge(collection, subset, norm), subset) for _, subset in ranked)
-    chosen: list[Subset] = []
-    seen: set[tuple[str, ...]] = set()
-    for _, subset in judged:
-        places = collection.dictionary.places(subset)
-        if places not in seen:
-            seen.add(places)
-            chosen.append(subset)
-    chosen += [subset for _, subset in judged if subset not in chosen]
-    return chosen[: collection.request.contenders]
+def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[tuple[Subset, tuple[float, ...]]]:
+    """The subsets that the objective's own norm ranks best, those at different places first, with their shares."""
+    judged = sorted((*judge(collection, subset, norm), subset) for _, subset in ranked)
+    first: dict[tuple[str, ...], tuple[Subset, tuple[float, ...]]] = {}
+    for _, shares, subset in judged:
+        first.setdefault(collection.dictionary.places(subset), (subset, shares))
+    rest = [(subset, shares) for _, shares, subset in judged if (subset, shares) not in first.values()]
+    return [*first.values(), *rest][: collection.request.contenders]
 
 
-def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
+def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refined, best: Refined) -> None:
     """Shape the refined parts over the whole sweep; a design that is hardly better than the one before is told."""
-    best = found.refined
-    assert best is not None
     parts = best.parts
+    sweep = with_extremes(refiner.mechanism, parts.balancers, sweep)
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
     least = found.values[-1] if found.values else refiner.bare
@@ -236,3 +278,6 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
         return
     found.designs.append(design)
     found.values.append(design.reached(aim))
+    if ideal is not best:
+        words = f"{text(ideal.value, aim.unit(refiner.mechanism), 3)} before rounding to sizes"
+        found.notes.append(f"with {count}: {words}")
