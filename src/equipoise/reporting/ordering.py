@@ -9,7 +9,7 @@ import numpy as np
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.objective import leading
-from equipoise.reporting import phrases
+from equipoise.reporting import partwords
 from equipoise.reporting.markup import Raw, element, join, listing, prose, section, small, table
 from equipoise.reporting.numbers import percent, quantity, sig, sort_out
 from equipoise.reporting.tables import value_words
@@ -41,7 +41,7 @@ def ordering(design: Design) -> Raw | str:
             part["name"],
             join([prose(order), small(doubt)]) if doubt else prose(order),
             f"{used[0]} {percent(used[1]['used'])}" if used else "",
-            phrases.energy_words(part).removeprefix("energy "),
+            partwords.energy_words(part).removeprefix("energy "),
             quantity(part["mass"], "kg", 3) if part["mass"] else "",
             join([pull, small(where)]),
         ])  # fmt: skip
