@@ -148,6 +148,7 @@ def discovered(problem: Problem) -> tuple[Discovery, bool]:
             problem.content.discover,
             objective=problem.objective,
             limits=problem.limits,
+            scatter=problem.content.tolerances,
             progress=tell,
         )
     if interrupts.hit:
@@ -201,6 +202,12 @@ def judged(design: Design, problem: Problem) -> Design:
     if followed(design):
         design = replace(design, tolerance=tolerance(design, problem.content.tolerances))
     return replace(design, dead_band=dead_band(design, problem.content.friction)) if held(design) else design
+
+
+def banded(design: Design, problem: Problem) -> Design:
+    """The design with its tolerance band where the objective is judged by it; else unchanged."""
+    asked = any(aim.judged == "band" for aim in problem.objective)
+    return judged(design, problem) if asked and design.tolerance is None else design
 
 
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:

@@ -45,7 +45,9 @@ def cases_reported(found: Adjusted, problem: Problem, json: bool, out: Path, sto
 
 
 def _told(found: Adjusted, problem: Problem, out: Path | None) -> Adjusted:
-    return replace(found, designs=tuple(told(design, problem, out) for design in found.designs))
+    from equipoise.solving import banded
+
+    return replace(found, designs=tuple(banded(told(design, problem, out), problem) for design in found.designs))
 
 
 def _concluded(found: Adjusted, json: bool, stopped: bool, lines: list[str]) -> int:
