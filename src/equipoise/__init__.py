@@ -161,11 +161,11 @@ _HOME = {
     "point_masses": "substitution",
     "substitute": "substitution",
     "PointMasses": "substitution",
-    "Mesh": "balancers.counter_rotor",
+    "Mesh": "balancers.gearing",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "adjust": "verbs.adjust",
-    "Adjusted": "verbs.adjust",
+    "Adjusted": "verbs.adjusted",
     "Adjuster": "cases",
     "Case": "cases",
     "by_payload": "cases",
@@ -434,9 +434,10 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.counter_rotor import CounterRotor, Mesh
+    from equipoise.balancers.counter_rotor import CounterRotor
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
+    from equipoise.balancers.gearing import Mesh
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
     from equipoise.balancers.laws import (
         BSpline,
@@ -593,7 +594,8 @@ if TYPE_CHECKING:
     from equipoise.sweep import Sweep
     from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
-    from equipoise.verbs.adjust import Adjusted, adjust
+    from equipoise.verbs.adjust import adjust
+    from equipoise.verbs.adjusted import Adjusted
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.certify import certify

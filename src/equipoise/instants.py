@@ -63,9 +63,9 @@ def between(mechanism: Mechanism, sweep: Sweep, sampled: Array, account: Magnitu
 def _hills(sampled: Array, peaks: Array) -> tuple[Indices, Indices]:
     """Samples (H,) that may stand beside the peak of a row, and the rows (H,).
 
-    A parabola through a hill and its neighbours rises by (right - left)^2 / 8 fall, less than an eighth of what the hill
-    falls to both: one that is lower than the highest by more than the whole fall is left out, the others are ranked by
-    where the parabola ends.
+    A parabola through a hill and its neighbours rises by (right - left)^2 / 8 fall, less than an eighth of what the
+    hill falls to both: one that is lower than the highest by more than the whole fall is left out, the others are
+    ranked by where the parabola ends.
     """
     loaded = np.flatnonzero(peaks > FAINT * peaks.max())
     sampled = sampled[:, loaded]

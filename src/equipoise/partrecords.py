@@ -10,6 +10,7 @@ import numpy as np
 from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel
+from equipoise.balancers.gearing import Mesh
 from equipoise.balancers.shapes import Disc, PointMass
 from equipoise.balancers.spring import Spring
 from equipoise.mechanism import Point
@@ -94,9 +95,17 @@ def _rotor_part(design: Design, rotor: CounterRotor) -> dict[str, Any]:
         part["meshes"] = [
             {"name": mesh.name, "torque": float(np.abs(mesh.torque).max()), "preload": mesh.preload}
             | ({"reversals": mesh.reversals} if design.sweep.instants is not None else {})
+            | _teeth(mesh)
             for mesh in meshes
         ]
     return part
+
+
+def _teeth(mesh: Mesh) -> dict[str, float]:
+    """Pitch radius of the driven gear, m, and the largest force on its teeth, N, where they are known."""
+    if mesh.radius is None or mesh.tooth_force is None:
+        return {}
+    return {"pitch_radius": float(mesh.radius), "tooth_force": float(mesh.tooth_force.max())}
 
 
 def _flywheel_part(design: Design, wheel: Flywheel) -> dict[str, Any]:

@@ -19,16 +19,19 @@ from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
 from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Term
 from equipoise.solve.shape import Freedom, Local, descend
 from equipoise.sweep import Sweep
 from equipoise.tasks import Task, task_of
 from equipoise.verbs.balance import balance
-from equipoise.verbs.shape import load_of
+from equipoise.verbs.shape import descended, load_of
 
 ITERATIONS = 40
 PRECISION = 1e-5
+DETOUR = 1e-3
+"""Share of the bare value by which a design may get worse on its way to less stored energy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +156,33 @@ class Refiner:
         local: Local = descend(build, freedoms, start, load, iterations=ITERATIONS, precision=PRECISION)
         geometry = {name: float(value) for name, value in zip(names, local.gamma, strict=True)}
         return self._refined(parts.at(geometry), geometry, local.solution, local.excess)
+
+    def shaped(self, parts: Parts, sweep: Sweep) -> Design:
+        """The design over a sweep that refined parts lead to; raises EquipoiseError where limits cannot be kept."""
+        limits = (*self.limits, *parts.limits)
+        if not parts.free:
+            return balance(self.mechanism, parts.balancers, sweep, objective=self.objective, limits=limits)
+        return descended(
+            self.mechanism,
+            parts.balancers,
+            sweep,
+            parts.free,
+            objective=self.objective,
+            limits=limits,
+            precision=PRECISION,
+            detour=DETOUR,
+        )
+
+    def banded(self, refined: Refined, scatter: Scatter, samples: int) -> Refined:
+        """The same parts where their optimum is settled, over few poses, with the 95 % value as their value."""
+        design = self.shaped(refined.parts, self.few)
+        return replace(
+            refined,
+            parts=refined.parts.at(design.geometry),
+            geometry=design.geometry,
+            theta=np.array(list(design.values.values())),
+            value=tolerance(design, scatter, samples=samples).band.high,
+        )
 
     def _refined(self, parts: Parts, geometry: Mapping[str, float], solution: Solution, excess: float) -> Refined:
         energy = storage(parts.balancers, self.states)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.assemble import Balancer, settled
+from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.loops import constraint_jacobian
 from equipoise.loops.constraints import Connect, Weld
 from equipoise.machinery.loosened import beyond, carried_bodies, is_bearing, loosen, own_loads
@@ -68,7 +69,8 @@ def bearing_forces(
 
     F_beyond (3,) is what moves and holds all that lies beyond a bearing, f the generalised force of each joint in
     the mechanism without its loops, J the loop equations' Jacobian, B its part in the bearing's separation. Along a
-    driven slide R holds the motor's force too. A gear mesh is counted as a pure torque. values {name: SI value} are
+    driven slide R holds the motor's force too. The teeth of a counter-rotor's gears push on the bearing of the body
+    that drives it; belts and pairs of gears on one carrier count as pure torques. values {name: SI value} are
     those of the balancers' unknowns. Raises InputError for states at rest.
     """
     return BearingForces(named(states), forces_between(states, balancers, values or {}))
@@ -81,7 +83,11 @@ def forces_between(states: States, balancers: Sequence[Balancer], values: Mappin
     if balancers:
         fixed, parts = settled(balancers, values), [slice(i, i + _CHUNK) for i in range(0, len(states), _CHUNK)]
         total = total + np.concatenate([_added(loosen(states.take(part)), fixed, values) for part in parts])
-    held = total[:, model.nv :].reshape(len(states), -1, 3)
+    held = total[:, model.nv :].reshape(len(states), -1, 3).copy()
+    for balancer in balancers:
+        teeth = balancer.pushed(states, values) if isinstance(balancer, CounterRotor) else None
+        if teeth is not None:
+            held[:, list(carried_bodies(model)).index(teeth[0])] += teeth[1]
     kept = np.array([is_bearing(model, int(body)) for body in carried_bodies(model)], dtype=bool)
     loop = constraint_jacobian(mechanism, states.kin)
     if loop is None:

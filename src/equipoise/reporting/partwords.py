@@ -60,6 +60,10 @@ def _rotor_words(part: Mapping[str, Any]) -> str:
     if "torque_reversals" in part:
         words += f"; {part['torque_reversals']} torque reversals a run"
         words += f", anti-backlash preload {quantity(part['preload'], 'N m', 3)}"
+        if "tooth_force" in part["meshes"][0]:
+            own = part["meshes"][0]
+            force, radius = quantity(own["tooth_force"], "N", 3), quantity(own["pitch_radius"], "m", 3)
+            words += f", teeth {force} at a pitch radius of {radius}"
         for belt in part["meshes"][1:]:
             words += f"; its belt {belt['reversals']} and {quantity(belt['preload'], 'N m', 3)}"
     return words
