@@ -186,7 +186,7 @@ def test_pick_puts_the_best_part_in_place(arm, stock):
     made, choice = picked.design, picked.choices[0]
     assert isinstance(made.balancers[0].law, eq.ExtensionSpring)
     assert made.after["arm_joint"].peak < 0.2 * design.before["arm_joint"].peak
-    assert made.after["arm_joint"].peak <= 1.01 * min(value for _, value in choice.tried)
+    assert made.after["arm_joint"].peak <= 1.01 * min(one.value for one in choice.tried)
     assert choice.order == made.parts()[0]["order"]
     assert len(choice.tried) == 2
     assert choice.json()["candidates"] == 2 * len(grid.catalogue())
@@ -195,6 +195,22 @@ def test_pick_puts_the_best_part_in_place(arm, stock):
     low, high = made.balancers[0].law.span
     length = made.parts()[0]["length"]
     assert low - 1e-6 <= length[0] <= length[1] <= high + 1e-6
+
+
+def test_the_last_choice_is_by_the_band_where_it_judges(arm):
+    """Of the parts that were shaped around the one with the least 95 % value stays."""
+    over = eq.Sweep.sobol(arm, 64, ranges={"arm_joint": (-1.0, 1.2)})
+    banded = eq.Aim(norm="peak", judged="band")
+    design = eq.shape(arm, [ideal(arm)], over, BOUNDS, objective=banded, starts=2)
+    grid = eq.MakeableGrid(wire=(0.0018, 0.0032), index=(8.0, 12.0), coils=(50.0, 80.0), tension=(0.8,))
+    picked = eq.pick(design, eq.Pick(grid=grid, keep=2), scatter=eq.Scatter(anchor=4e-3))
+    tried = picked.choices[0].tried
+    assert [one.high for one in tried] == sorted(one.high for one in tried)
+    assert tried[0].line is picked.choices[0].line
+    again = eq.tolerance(picked.design, eq.Scatter(anchor=4e-3))
+    assert tried[0].high == pytest.approx(again.band.high, rel=1e-9)
+    assert all(one.high > one.value for one in tried)
+    assert f"(95 %: {tried[0].high:.4g})" in str(picked)
 
 
 def test_pick_without_a_fitting_part_counts_the_reasons(arm, sweep, tmp_path):
@@ -244,6 +260,8 @@ def test_design_picks_where_the_file_asks(problem, tmp_path, capsys):
     assert found["parts"][0]["order"] in page
     assert "What to order" in page
     assert "s1 breaks" in page
+    assert "Candidates tried" in page
+    assert "taken</td>" in page
     assert main(["verify", str(tmp_path / "out" / "design.json")]) == 0
 
 

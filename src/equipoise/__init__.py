@@ -165,7 +165,7 @@ _HOME = {
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "adjust": "verbs.adjust",
-    "Adjusted": "verbs.adjust",
+    "Adjusted": "verbs.adjusted",
     "Adjuster": "cases",
     "Case": "cases",
     "by_payload": "cases",
@@ -594,7 +594,8 @@ if TYPE_CHECKING:
     from equipoise.sweep import Sweep
     from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
-    from equipoise.verbs.adjust import Adjusted, adjust
+    from equipoise.verbs.adjust import adjust
+    from equipoise.verbs.adjusted import Adjusted
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.certify import certify

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from equipoise.make.synthesis import Part as MadePart
     from equipoise.rubbing import DeadBand
     from equipoise.scattering import Tolerance
+    from equipoise.verbs.pick import Choice
     from equipoise.verbs.place import Placed
     from equipoise.verification.findings import Verification
 
@@ -42,8 +43,8 @@ class Design:
     whose poses were found between the samples; problem is the file it came from, where there was one; settings say
     what is adjusted from case to case, where a design serves several; places are where springs were put among equals;
     cables says how a cable platform behaves with its springs, made are the cams and drums cut for them; tolerance says
-    how it scatters when parts are as they come, dead_band what friction covers; friction are the coefficients of
-    what rubs.
+    how it scatters when parts are as they come, dead_band what friction covers, choices which parts were picked;
+    friction are the coefficients of what rubs.
     """
 
     mechanism: Mechanism
@@ -69,6 +70,7 @@ class Design:
     places: Mapping[str, Placed] = field(default_factory=dict)
     tolerance: Tolerance | None = None
     dead_band: DeadBand | None = None
+    choices: tuple[Choice, ...] = ()
     friction: Friction = field(default_factory=Friction)
 
     @property
@@ -113,6 +115,16 @@ class Design:
             return float({"peak": values.max, "rms": lambda: np.linalg.norm(values), "mean": values.sum}[aim.norm]())
 
         return norm(self.after) / (norm(self.before) if aim.divisor == "before" else 1.0)
+
+    @property
+    def judged(self) -> float:
+        """What choices and the target look at: the first aim's value, or the 95 % value of its band where asked for.
+
+        The band counts once it is known (`tolerance`).
+        """
+        aim = leading(self.objective)
+        found = self.tolerance if aim.judged == "band" else None
+        return self.reached(aim) if found is None else found.band.high
 
     def parts(self) -> list[dict[str, Any]]:
         """One entry per part: what it is, where it goes, and what it does over the sweep, SI units."""
@@ -162,9 +174,11 @@ class Design:
     def missed(self) -> str:
         """Why `objective.target` is missed, or nothing."""
         for aim in self.objective:
-            if aim.target is not None and self.reached(aim) > aim.target:
-                unit = aim.unit(self.mechanism)
-                return f"the {aim.norm} is {self.reached(aim):.4g} {unit}, the target {aim.target:.4g} {unit}"
+            banded = aim.judged == "band" and self.tolerance is not None
+            value = self.judged if banded else self.reached(aim)
+            if aim.target is not None and value > aim.target:
+                unit, what = aim.unit(self.mechanism), f"95 % value of the {aim.norm}" if banded else aim.norm
+                return f"the {what} is {value:.4g} {unit}, the target {aim.target:.4g} {unit}"
         return ""
 
     def json(self) -> dict[str, Any]:
@@ -193,6 +207,7 @@ class Design:
             "settings": self.settings.json() if self.settings else None,
             "tolerance": self.tolerance.json() if self.tolerance else None,
             "dead_band": self.dead_band.json() if self.dead_band else None,
+            "choices": [choice.json() for choice in self.choices],
             "cite": self.cite(),
         }
 

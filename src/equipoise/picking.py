@@ -61,7 +61,7 @@ def picked(problem: Problem, design: Design, request: Pick, seed: int | None) ->
     unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts(), progress_bar("pick", "candidates", unit) as progress:
         show = None if progress is None else lambda _, done, count, best: progress(done, count, best)
-        found = pick(design, request, seed=seed or 0, progress=show)
+        found = pick(design, request, scatter=problem.content.tolerances, seed=seed or 0, progress=show)
     names = {choice.spring for choice in found.choices}
     laws = {balancer.name: getattr(balancer, "law", None) for balancer in found.design.balancers}
     parts = {name: law for name, law in laws.items() if name in names and isinstance(law, Part)}

@@ -39,6 +39,7 @@ def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, s
     """Verify the designs of a front, write them, and say what there is to say."""
     from equipoise.discovery.ask import design_problem
     from equipoise.reporting.front_page import page
+    from equipoise.solving import judged
     from equipoise.verbs.verify import verify as run
 
     lines, made = [], []
@@ -49,7 +50,7 @@ def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, s
                 folder.mkdir()
             place = None if out is None else out / front.folder(design)
             found = told(design, design_problem(design, problem), place)
-            made.append(found if stopped else run(found, out=folder))
+            made.append(found if stopped else judged(run(found, out=folder), problem))
             write_design(made[-1], folder)
             lines += written(place, made[-1])
         front = front.with_designs(tuple(made))

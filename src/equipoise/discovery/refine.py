@@ -19,16 +19,19 @@ from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
 from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Term
 from equipoise.solve.shape import Freedom, Local, descend
 from equipoise.sweep import Sweep
 from equipoise.tasks import Task, task_of
 from equipoise.verbs.balance import balance
-from equipoise.verbs.shape import load_of
+from equipoise.verbs.shape import descended, load_of
 
 ITERATIONS = 40
 PRECISION = 1e-5
+DETOUR = 1e-3
+"""Share of the bare value by which a design may get worse on its way to less stored energy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +157,33 @@ class Refiner:
         geometry = {name: float(value) for name, value in zip(names, local.gamma, strict=True)}
         return self._refined(parts.at(geometry), geometry, local.solution, local.excess)
 
+    def shaped(self, parts: Parts, sweep: Sweep) -> Design:
+        """The design over a sweep that refined parts lead to; raises EquipoiseError where limits cannot be kept."""
+        limits = (*self.limits, *parts.limits)
+        if not parts.free:
+            return balance(self.mechanism, parts.balancers, sweep, objective=self.objective, limits=limits)
+        return descended(
+            self.mechanism,
+            parts.balancers,
+            sweep,
+            parts.free,
+            objective=self.objective,
+            limits=limits,
+            precision=PRECISION,
+            detour=DETOUR,
+        )
+
+    def banded(self, refined: Refined, scatter: Scatter, samples: int) -> Refined:
+        """The same parts where their optimum is settled, over few poses, with the 95 % value as their value."""
+        design = self.shaped(refined.parts, self.few)
+        return replace(
+            refined,
+            parts=refined.parts.at(design.geometry),
+            geometry=design.geometry,
+            theta=np.array(list(design.values.values())),
+            value=tolerance(design, scatter, samples=samples).band.high,
+        )
+
     def _refined(self, parts: Parts, geometry: Mapping[str, float], solution: Solution, excess: float) -> Refined:
         energy = storage(parts.balancers, self.states)
         place = {unknown.name: value for unknown, value in zip(solution.program.unknowns, solution.theta, strict=True)}
@@ -168,7 +198,7 @@ def additions(collection: Collection, refined: Refined, emphasis: Array | None, 
     columns = scene.counted(np.moveaxis(total.A, -1, 0)).T
     fixed = scene.counted(total.b - scene.states.holding)
     size = np.maximum(2.0 * np.abs(refined.theta), 1e-12)
-    there = Batch("there", columns, None, size, np.arange(len(size)), _never)
+    there = Batch("there", columns, None, size, np.arange(len(size)), _there_already)
     dictionary = replace(collection.dictionary, batches=(*collection.dictionary.batches, there))
     first = len(collection.dictionary)
     members = tuple(range(first, first + len(size)))
@@ -180,5 +210,5 @@ def additions(collection: Collection, refined: Refined, emphasis: Array | None, 
     ]
 
 
-def _never(index: int, name: str) -> Proposal:
-    raise NotImplementedError
+def _there_already(index: int, name: str) -> Proposal:
+    raise AssertionError(f"{name}, column {index}: what is there already is not proposed again")

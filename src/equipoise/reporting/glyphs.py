@@ -162,8 +162,9 @@ def _weight(ax: Axes, place: Array, share: float, label: tuple[str, str]) -> Non
 
 def _note(ax: Axes, place: Array, text: str, colour: str) -> None:
     ax.annotate(
-        text, _pair(place), xytext=(9, 7), textcoords="offset points", color=colour, path_effects=style.halo(), zorder=7
-    )
+        text, _pair(place), xytext=(0, -8), textcoords="offset points", color=colour, ha="center", va="top",
+        path_effects=style.halo(), zorder=7,
+    )  # fmt: skip
 
 
 def _pair(place: Array) -> tuple[float, float]:

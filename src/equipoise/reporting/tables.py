@@ -105,7 +105,9 @@ def _found(design: Design) -> Raw:
         unit, (low, high) = design.units[name], design.bounds.get(name, (-math.inf, math.inf))
         edge = min(value - low, high - value) <= 1e-6 * (high - low)
         bounds = f"shape, within {span((low, high), unit, 4)}" + (", at the bound" if edge else "")
-        rows.append([name, value_words(value, unit, 5), bounds])
+        # A bound at zero is met to working accuracy only.
+        nought = abs(value) < 1e-9 * (high - low) < math.inf
+        rows.append([name, value_words(0.0 if nought else value, unit, 5), bounds])
     if not rows:
         return Raw("")
     made = table(["name", "value", "found by"], rows, numbers=1, kind="facts wide")

@@ -10,7 +10,7 @@ from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
 from equipoise.discovery.making import unweighed, weighed, wound
 from equipoise.discovery.reach import with_extremes
-from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, built, judge
+from equipoise.discovery.refine import Parts, Refined, Refiner, additions, built, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
@@ -20,25 +20,25 @@ from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.parts.makeable import Makeable
+from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
 from equipoise.units import text
-from equipoise.verbs.balance import balance
-from equipoise.verbs.shape import descended, thinned
+from equipoise.verbs.shape import thinned
 
 JUDGED = 40
 """Subsets per number of springs that are judged by the objective's own norm."""
 EXCESS = 1e-5
 NOTHING = 1e-6
 """Share of the bare value below which nothing is left."""
+BRIEFLY = 10_000
+"""Specimens by which contenders are judged."""
 FEW = 256
 """Poses over which contenders are refined."""
 WOUND = 2
 """Refined choices per number of springs that are wound, where that is asked for."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
-DETOUR = 1e-3
-"""Share of the bare value by which a design may get worse on its way to less stored energy."""
 
 Progress = Callable[[int, int, float], None]
 
@@ -54,6 +54,7 @@ class _Found:
     refined: Refined | None = None
     made: Refined | None = None
     floor: float = 0.0
+    scatter: Scatter = field(default_factory=Scatter)
     stopped: bool = False
 
 
@@ -65,6 +66,7 @@ def discover(
     norm: Norm | None = None,
     objective: Aim | Sequence[Aim] | None = None,
     limits: Sequence[Limit] = (),
+    scatter: Scatter | None = None,
     progress: Progress | None = None,
 ) -> Discovery:
     """Find which springs to add, where, and how big: the front of their number against what motors still hold.
@@ -72,8 +74,9 @@ def discover(
     A dictionary of candidates is compressed to its rank and searched for the best subsets (pairs exhaustively, more
     by a beam with exchange); those that the objective's own norm ranks best, and the design before with the best
     candidate added, are refined by sequential convex programming; the best of each number is shaped over the whole
-    sweep (default: 2048 Sobol poses; default norm: peak). progress is called with (numbers done, numbers, value);
-    Ctrl-C returns what is finished. Raises InputError for an objective that is not the holding effort,
+    sweep (default: 2048 Sobol poses; default norm: peak). Where the objective is judged by its band under the scatter,
+    refined contenders, and numbers of parts, are ranked by that. progress is called with (numbers done, numbers,
+    value); Ctrl-C returns what is finished. Raises InputError for an objective that is not the holding effort,
     InfeasibleError where filters leave no candidate, naming what removed how many.
     """
     request = request or Discover()
@@ -92,7 +95,7 @@ def discover(
     search = Search.of(compressed, collection.dictionary.spots)
     ranked = search.best(request.springs, keep=JUDGED)
     bounds = bounds_of(collection, sweep, aim)
-    found = _Found()
+    found = _Found(scatter=scatter or Scatter())
     few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
     found.floor = max([bound.value for bound in bounds] + [NOTHING * refiner.bare])
@@ -168,6 +171,8 @@ def _one(
             parts = replace(parts, free={**(found.refined or before).parts.free, **parts.free})
             _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried, make)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
+    if aim.judged == "band":
+        sound = _by_band(found, refiner, count, sound)
     found.alternatives += [
         Alternative(count, places, one.value, f"it breaks a limit by {100 * one.excess:.2g} %")
         for places, one in tried
@@ -182,7 +187,8 @@ def _one(
     best = sound[0][1]
     for places, one in sound[1:]:
         if one.value > alike:
-            worse = f"refined as the winner was, which reached {best.value:.3g}"
+            reached = best.value if best.value > NOTHING * refiner.bare else 0.0
+            worse = f"refined as the winner was, which reached {reached:.3g}"
         elif one.energy > best.energy * (1 + ALIKE):
             worse = f"as good, but it stores {one.energy:.3g} J against {best.energy:.3g} J"
         else:
@@ -191,6 +197,19 @@ def _one(
     found.refined = found.made = best
     if make is not None:
         found.refined, found.made = _made(found, refiner, [one for _, one in sound[:WOUND]], make)
+
+
+def _by_band(
+    found: _Found, refiner: Refiner, count: int, sound: list[tuple[tuple[str, ...], Refined]]
+) -> list[tuple[tuple[str, ...], Refined]]:
+    """Refined contenders with the 95 % value of their band as their value."""
+    ranked = []
+    for places, one in sound:
+        try:
+            ranked.append((places, refiner.banded(one, found.scatter, BRIEFLY)))
+        except EquipoiseError as error:
+            found.alternatives.append(Alternative(count, places, one.value, error.message))
+    return ranked
 
 
 def _made(
@@ -244,34 +263,21 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refi
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
     least = found.values[-1] if found.values else refiner.bare
-    if best.value > least * (1 - BETTER):
+    if aim.judged == "nominal" and best.value > least * (1 - BETTER):
         found.alternatives.append(Alternative(count, places, best.value, "one part more gains next to nothing"))
         return
     try:
-        limits = (*refiner.limits, *parts.limits)
-        if parts.free:
-            shaped = descended(
-                refiner.mechanism,
-                parts.balancers,
-                sweep,
-                parts.free,
-                objective=refiner.objective,
-                limits=limits,
-                precision=PRECISION,
-                detour=DETOUR,
-            )
-            design = built(parts, shaped)
-        else:
-            design = balance(refiner.mechanism, parts.balancers, sweep, objective=refiner.objective, limits=limits)
+        design = built(parts, refiner.shaped(parts, sweep))
     except EquipoiseError as error:
         found.alternatives.append(Alternative(count, places, best.value, error.message))
         return
-    value = design.reached(aim)
-    if found.values and value > found.values[-1] * (1 - BETTER):
-        found.alternatives.append(Alternative(count, places, value, "one part more gains next to nothing"))
+    if aim.judged == "band":
+        design = replace(design, tolerance=tolerance(design, found.scatter))
+    if found.designs and design.judged > found.designs[-1].judged * (1 - BETTER):
+        found.alternatives.append(Alternative(count, places, design.judged, "one part more gains next to nothing"))
         return
     found.designs.append(design)
-    found.values.append(value)
+    found.values.append(design.reached(aim))
     if ideal is not best:
-        words = f"{text(ideal.value, aim.unit(refiner.mechanism))} before rounding to sizes"
+        words = f"{text(ideal.value, aim.unit(refiner.mechanism), 3)} before rounding to sizes"
         found.notes.append(f"with {count}: {words}")
