@@ -91,7 +91,7 @@ def test_compression_keeps_every_norm(posed):
     mech, sweep = posed
     request = eq.Discover(kinds=(eq.Ideal(), eq.Coils(stretch=4.0), eq.Counterweights()), candidates=400)
     dictionary = collect(mech, sweep, request, eq.Aim(norm="rms")).dictionary
-    short = dictionary.compress()
+    short = dictionary.compressed
     assert short.lost < 1e-4
     rng = np.random.default_rng(1)
     for _ in range(5):
@@ -107,7 +107,7 @@ def test_ideal_springs_span_few_functions(posed):
     mech, sweep = posed
     dictionary = collect(mech, sweep, eq.Discover(candidates=2000), eq.Aim(norm="rms")).dictionary
     assert len(dictionary) > 300
-    assert dictionary.compress().rank <= 16 * len(dictionary.batches)
+    assert dictionary.compressed.rank <= 16 * len(dictionary.batches)
 
 
 def brute(columns, load, spots, size):
@@ -149,7 +149,7 @@ def test_the_best_pair_of_a_real_dictionary_is_the_exhaustive_one():
     mech = arm()
     sweep = eq.Sweep.sobol(mech, 128)
     found = collect(mech, sweep, eq.Discover(candidates=60), eq.Aim(norm="rms"))
-    short = found.dictionary.compress()
+    short = found.dictionary.compressed
     search = Search.of(short, found.dictionary.spots)
     value, _ = search.pairs(4)[0]
     root = np.sqrt(found.dictionary.weight)
