@@ -7,21 +7,21 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 
-ITERATIONS = 18
-PRECISION = 1e-6
+ITERATIONS = 16
+PRECISION = 1e-8
 BACK = 0.995
 RIDGE = 1e-13
 
 
-def quadratic(H: Array, q: Array, G: Array, h: Array, start: Array, dual: Array) -> Array:
-    """z (K, n) of min z'Hz/2 + q'z subject to G z <= h, one problem per row.
+def quadratic(H: Array, q: Array, G: Array, h: Array, start: Array, dual: Array) -> tuple[Array, Array]:
+    """z (K, n) of min z'Hz/2 + q'z subject to G z <= h, and its multipliers (K, m), one problem per row.
 
     H (K, n, n) positive definite, q (K, n), G (K, m, n), h (K, m), scaled so that entries are of order one; start
     (K, n) is where it begins, dual (K, m) > 0 what the multipliers are about. The constraints must leave an interior,
     as elastic ones do. Mehrotra's predictor and corrector (unsourced).
     """
     z, dual = start.copy(), dual.copy()
-    slack = np.maximum(h - (G @ z[..., None])[..., 0], 1e-3)
+    slack = np.maximum(h - (G @ z[..., None])[..., 0], 1e-9)
     active = np.arange(len(z))
     for _ in range(ITERATIONS):
         step = _step(H[active], q[active], G[active], h[active], z[active], slack[active], dual[active])
@@ -29,7 +29,7 @@ def quadratic(H: Array, q: Array, G: Array, h: Array, start: Array, dual: Array)
         active = active[left > PRECISION]
         if not len(active):
             break
-    return z
+    return z, dual
 
 
 def _step(
