@@ -154,6 +154,9 @@ def test_the_command_writes_every_case(tmp_path, capsys):
     assert data["settings"]["case"] == "heavy"
     assert [case["case"] for case in data["cases"]] == ["light", "heavy"]
     assert "Settings from case to case" in (out / "report.html").read_text(encoding="utf-8")
+    for place in (out, out / "case_1"):
+        problem = json.loads((place / "design.json").read_text(encoding="utf-8"))["problem"]
+        assert (place / problem["folder"] / problem["file"]).samefile(file)
     # A case's design reads back as what it was.
     again = target_of(str(out / "case_1" / "design.json"))
     assert not again.remarks

@@ -182,6 +182,7 @@ def test_ctrl_c_in_the_search_keeps_the_best_so_far(problem, capsys, monkeypatch
 
     import equipoise.verbs.shape as verb
 
+    handler = signal.getsignal(signal.SIGINT)
     plain = verb.descend
     calls = []
 
@@ -196,7 +197,7 @@ def test_ctrl_c_in_the_search_keeps_the_best_so_far(problem, capsys, monkeypatch
     _, err = run(capsys, "design", problem, "--out", "out", code=130)
     assert "stopping" in err
     assert Path("out/report.html").exists()
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert signal.getsignal(signal.SIGINT) is handler
 
 
 def test_ctrl_c_before_and_after_the_search(problem, capsys, monkeypatch):

@@ -22,6 +22,7 @@ from equipoise.discovery.subsets import Search
 from equipoise.errors import InfeasibleError
 from equipoise.problem import load_problem, problem_of
 from equipoise.reporting.front_page import page
+from equipoise.reporting.numbers import place
 from equipoise.yamlfile import Document
 
 G = 9.81
@@ -390,9 +391,55 @@ def test_a_pulley_with_a_radius_keeps_the_cable_on_one_side():
         assert path.through[1].radius == 0.02
 
 
-def test_the_report_shows_the_front_what_lost_and_where_to_attach():
+@pytest.fixture(scope="module")
+def small():
     mech = arm()
-    front = eq.discover(mech, eq.Sweep.sobol(mech, 64), eq.Discover(2, candidates=400, contenders=2))
+    aim = eq.Aim(norm="peak", target=2.0)
+    return eq.discover(mech, eq.Sweep.sobol(mech, 64), eq.Discover(2, candidates=400, contenders=2), objective=aim)
+
+
+def test_a_front_reads_in_workshop_words(small, monkeypatch):
+    """A table first, then each design; no class names, no powers of ten beyond rounding, wrapped."""
+    monkeypatch.setenv("COLUMNS", "90")
+    told = str(small)
+    lines = told.splitlines()
+    table = lines.index(next(line for line in lines if "peak [N m]" in line))
+    none, one, two = (line.split() for line in lines[table + 1 : table + 4])
+    assert none[:2] == ["no", "parts"]
+    assert float(none[3]) == pytest.approx(small.before, rel=5e-3)
+    assert float(one[3]) == pytest.approx(small.values[0], rel=5e-3)
+    assert float(one[4]) == pytest.approx(100 * small.values[0] / small.before, rel=5e-3)
+    assert two[3:6] == ["0", "0", "%"]
+    assert max(map(len, lines)) <= 90
+    assert "ZeroFreeLength" not in told
+    assert "zero free length, k = " in told
+    assert "2 N m: met with 2 parts" in told
+    for design, clashes in zip(small.designs, small.clashes, strict=True):
+        for part in design.parts():
+            assert f"{place(part['ends'][0])}" in " ".join(told.split())
+        assert all(clash.what in told for clash in clashes)
+    assert all(" and ".join(one.places) in " ".join(told.split()) for one in small.alternatives)
+
+
+def test_flat_directions_of_a_found_design_are_settled_by_least_stored_energy(small, monkeypatch):
+    """The same search that stops at the first of the equal optima stores more, and reaches no more."""
+    design = small.designs[1]
+    assert "settled by least stored energy" in " ".join(design.certificate.flat)
+    monkeypatch.setattr(
+        "equipoise.verbs.shape._relaxed", lambda search, best, balanced, *_, **__: (search, best, balanced)
+    )
+    sweep = eq.Sweep.sobol(design.mechanism, 64)
+    first = eq.discover(design.mechanism, sweep, eq.Discover(2, candidates=400, contenders=2), objective=small.aim)
+
+    def stored(found):
+        return max(part["energy"][1] for part in found.parts())
+
+    assert stored(design) < 0.5 * stored(first.designs[1])
+    assert small.values[1] <= first.values[1] + 1e-8 * small.before
+
+
+def test_the_report_shows_the_front_what_lost_and_where_to_attach(small):
+    front = small
     html = page(front)
     assert html.count("<h2>With ") == len(front.designs) == 2
     for design in front.designs:
@@ -401,7 +448,7 @@ def test_the_report_shows_the_front_what_lost_and_where_to_attach():
                 assert f"{round(1e3 * end['at'][0], 2) + 0.0:.5g}" in html
     assert "Alternatives considered" in html
     assert all(one.reason.split()[0] in html for one in front.alternatives)
-    assert "as good, and it stores" in html or "after refinement" in html
+    assert "as good" in html or "refined as the winner was" in html
     assert "http" not in html.replace("http://www.w3.org", "")
 
 

@@ -108,7 +108,7 @@ def test_a_file_that_is_no_mesh_is_refused(data, tmp_path):
 def test_drawn_capsules_say_their_radius():
     found = shell(arm(), 0.035)
     assert {capsule.radius for capsule in found.capsules} == {0.035}
-    assert "drawn joint to joint with radius 0.035 m" in found.words
+    assert "drawn joint to joint with radius 35 mm" in found.words
 
 
 def test_a_line_through_a_link_has_no_room():
@@ -140,4 +140,4 @@ def test_a_discovery_that_avoids_bodies_keeps_clear():
     assert any(isinstance(limit, eq.Avoid) for limit in design.limits)
     assert not [clash for clash in clashes(design, 0.02) if clash.depth > 1e-6]
     assert front.values[0] < 0.5 * front.before
-    assert any("drawn joint to joint with radius 0.02 m" in note for note in front.notes)
+    assert any("drawn joint to joint with radius 20 mm" in note for note in front.notes)

@@ -138,7 +138,7 @@ def test_four_bar_closes_as_freudenstein_says(lengths, branch):
     branch=st.sampled_from(["open", "crossed"]),
     shares=st.lists(st.floats(0.03, 0.97), min_size=1, max_size=8),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_any_four_bar_stays_on_its_branch(lengths, branch, shares):
     if max(lengths) > 0.95 * (sum(lengths) - max(lengths)):
         return

@@ -562,9 +562,7 @@ def mutated(text: str, seed: int) -> bytes:
     return text.encode("utf-8", "replace")
 
 
-@settings(
-    max_examples=150, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.sampled_from([URDF, FIVE_BAR, one_body(MASS, '<option gravity="0 0 -9.81"/>')]), st.integers(0, 10**9))
 def test_spoilt_files_load_or_are_refused(tmp_path, text, seed):
     path = tmp_path / ("spoilt.urdf" if text is URDF else "spoilt.xml")

@@ -8,7 +8,7 @@ import pytest
 import equipoise as eq
 from equipoise.affine import Block
 from equipoise.assemble import effort
-from equipoise.peaks import polish
+from equipoise.peaks import _step, polish
 from equipoise.steepness import steepness
 from equipoise.verbs.analyze import table
 
@@ -110,3 +110,10 @@ def test_no_dense_grid_finds_more(model, ends, ranges):
     for joint, value in zip(arm.driven, top, strict=True):
         assert value <= found[joint].peak * (1 + 1e-9) + 1e-9 * top.max()
         assert found[joint].peak <= value * 1.01 + 1e-9 * top.max()
+
+
+def test_a_step_over_ground_without_curvature_is_finite():
+    """At rounding level a direction may have none: the step is long, and the ascent shortens it."""
+    bend = np.array([[[1e-11, 1e-11], [1e-11, 1e-11]], [[0.0, 0.0], [0.0, 0.0]]])
+    step = _step(np.full((2, 2), 1e-12), bend, np.ones((2, 2), dtype=bool))
+    assert np.isfinite(step).all()

@@ -157,7 +157,7 @@ SNIPPETS = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(max_examples=120, deadline=4000, suppress_health_check=list(HealthCheck))
+@settings(max_examples=120, suppress_health_check=list(HealthCheck))
 @given(st.data())
 def test_broken_files_are_refused_in_words(data):
     text = BASE
@@ -189,7 +189,7 @@ VALUES = st.recursive(
 TOP = ["mechanism", "sweep", "balancers", "shape", "search", "limits", "objective", "other"]
 
 
-@settings(max_examples=150, deadline=2000, suppress_health_check=list(HealthCheck))
+@settings(max_examples=150, suppress_health_check=list(HealthCheck))
 @given(st.dictionaries(st.sampled_from(TOP), VALUES, max_size=4))
 def test_odd_data_is_refused_in_words(data):
     from equipoise.yamlfile import Document

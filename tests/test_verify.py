@@ -307,7 +307,7 @@ def test_corners_enclose_waves():
 place = st.floats(-0.4, 0.4)
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=15)
 @given(
     st.tuples(place, place),
     st.tuples(place, place),

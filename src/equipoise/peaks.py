@@ -18,6 +18,7 @@ TURNS = 15
 LATER = 60
 RENEW = 8
 SHIFT = 1e-4
+ROUNDING = 1e-13
 FLATTEST = 1e-9
 TINY = 1e-300
 JITTER = 0.01
@@ -172,8 +173,11 @@ def _step(slope: Array, bend: Array, free: Flags) -> Array:
     place, there = _front(free)
     model = np.where(there[:, :, None] & there[:, None, :], _pick(bend, place), 0.0)
     index = np.arange(model.shape[1])
-    model[:, index, index] = np.where(there, model[:, index, index], 1.0)
     push = np.where(there, np.take_along_axis(slope, place, axis=1), 0.0)
+    steep = model[:, index, index]
+    # At rounding level the curvature may vanish along a direction; no step needs to be as long as 1 / ROUNDING.
+    ridge = ROUNDING * (np.abs(steep) + np.abs(push)).max(axis=1, keepdims=True) + TINY
+    model[:, index, index] = np.where(there, steep + ridge, 1.0)
     step = np.zeros_like(slope)
     np.put_along_axis(step, place, np.linalg.solve(model, push[:, :, None])[:, :, 0], axis=1)
     return step

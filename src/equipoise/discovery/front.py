@@ -9,6 +9,7 @@ from typing import Any
 from equipoise.affine import Array, Block
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection
+from equipoise.interference.findings import Clash
 from equipoise.objective import Aim
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -45,6 +46,7 @@ class Discovery:
 
     before is the objective without parts; alternatives are choices that lost; bounds the floors; candidates, poses,
     rank, lost, spacing (m) and margin (m) describe the dictionary, refused {reason: count} what its filters removed;
+    notes say how the search went, clashes what the springs of each design run into;
     stopped says that Ctrl-C cut the search short.
     """
 
@@ -63,6 +65,7 @@ class Discovery:
     refused: Mapping[str, int]
     pairs: tuple[str, ...]
     notes: tuple[str, ...] = ()
+    clashes: tuple[tuple[Clash, ...], ...] = ()
     stopped: bool = False
     values: tuple[float, ...] = field(default=())
 
@@ -106,6 +109,7 @@ class Discovery:
                 "refused": dict(self.refused),
             },
             "notes": list(self.notes),
+            "clashes": [[vars(clash) for clash in found] for found in self.clashes],
             "stopped": self.stopped,
         }
 

@@ -2,74 +2,183 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from equipoise.balancers.paths import Cable
+from equipoise.balancers.laws import ZeroFreeLength
+from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
-from equipoise.discovery.front import Bound, Discovery
-from equipoise.units import text
+from equipoise.discovery.front import Alternative, Bound, Discovery
+from equipoise.interference.findings import clash_words
+from equipoise.reporting import phrases
+from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
+from equipoise.reporting.numbers import percent, plain, quantity, shown, sig
+from equipoise.reporting.tolerance import tolerance_words
+from equipoise.reporting.words import part_lines
 
 CAUSES = {
     "payload": "half of what the payload's own torque varies by",
     "own": "its own load, which no candidate reaches",
 }
+NOTHING = 1e-9
+"""Share of the value before below which nothing is left."""
+FAINT = 0.01
+"""Share of the highest floor below which floors are only named."""
+CLOSE = 1.01
+"""Multiple of a floor at which it counts as reached."""
 
 
 def summary(front: Discovery) -> str:
-    """The front as the console prints it."""
-    design = front.designs[0]
-    lines = [
-        f"{design.mechanism.name}, {len(design.mechanism.driven)} driven joints; {design.sweep.describe()}",
-        f"dictionary  {front.candidates} candidates x {front.poses} states, rank {front.rank}; "
-        f"{', '.join(front.pairs)}; points {text(front.spacing, 'm', 3)} apart, {text(front.margin, 'm', 3)} about "
-        "the links",
-    ]
-    removed = [f"{count} {reason}" for reason, count in front.refused.items() if count]
-    lines += [f"left out    {'; '.join(removed)}"] if removed else []
-    lines.append(f"before      {front.aim.norm} {text(front.before, front.unit)}")
-    for index, (one, value) in enumerate(zip(front.designs, front.values, strict=True)):
-        mark = "  <- meets the target" if front.aim.target is not None and not one.missed else ""
-        word = f"{len(one.balancers)} part{'s' * (len(one.balancers) > 1)}"
-        mass = f", {text(one.added_mass, 'kg', 3)}" if one.added_mass > 0 else ""
-        kind = one.certificate.kind
-        lines.append(f"{word:<12}{front.aim.norm} {text(value, front.unit)}{mass} ({kind}){mark}")
-        lines += [f"            {line}" for line in parts(front, index)]
-    lines += [f"floor       {bound_words(bound)}" for bound in front.bounds]
-    for one in front.alternatives:
-        lines.append(
-            f"lost        {one.springs} at {', '.join(one.places)}: {text(one.value, front.unit)}; {one.reason}"
-        )
-    lines += [f"note        {note}" for note in front.notes]
+    """The front as the console prints it: a table, floors, what was looked at, then every design."""
+    mechanism, sweep = front.designs[0].mechanism, front.designs[0].sweep
+    joints = len(mechanism.driven)
+    lines = wrapped(
+        f"{mechanism.name or 'mechanism'}, {joints} driven joint{'s' * (joints != 1)}, {plain(mechanism.mass)} kg; "
+        f"{sweep.describe()}"
+    )
+    lines += front_table(front)
+    for label, words in (*_told(front), *_looked(front)):
+        lines += labelled(label, words)
+    for index in range(len(front.designs)):
+        lines += ["", *_design(front, index)]
+    lines.append("")
+    for step in next_steps(front):
+        lines += labelled("next", step)
     if front.stopped:
         lines.append("the search was stopped by hand: these designs were finished")
-    return "\n".join(lines)
+    return "\n".join(blank_repeats(lines))
 
 
-def parts(front: Discovery, index: int) -> list[str]:
-    """One line per part of a design."""
-    found = []
+def front_table(front: Discovery) -> list[str]:
+    """One line per number of parts: what is added, what is left of the objective, and what holds it there."""
+    unit = shown(0.0, front.unit)[1]
+    head = ["mass added", f"{front.aim.norm} [{unit}]", "of before", "limited by"]
+    body = [["-", number(front, front.before), "100 %", ""]]
+    for index, (design, value) in enumerate(zip(front.designs, front.values, strict=True)):
+        mass = quantity(design.added_mass, "kg", 3) if design.added_mass > 0 else "-"
+        mark = "; meets the target" if front.aim.target is not None and not design.missed else ""
+        body.append([mass, number(front, value), share(front, value), limited_words(front, index) + mark])
+    names = ["no parts", *(counted(len(design.balancers)) for design in front.designs)]
+    return table(names, head, body)
+
+
+def counted(count: int) -> str:
+    """`1 part`, `2 parts`."""
+    return f"{count} part{'s' * (count != 1)}"
+
+
+def number(front: Discovery, value: float) -> str:
+    """A value of the objective without its unit; what is at rounding level is 0."""
+    return sig(shown(value, front.unit)[0], 3) if abs(value) > NOTHING * front.before else "0"
+
+
+def value_words(front: Discovery, value: float) -> str:
+    """A value of the objective with its unit."""
+    return f"{number(front, value)} {shown(0.0, front.unit)[1]}".rstrip()
+
+
+def share(front: Discovery, value: float) -> str:
+    """A value as a share of that without parts."""
+    return percent(value / front.before) if value > NOTHING * front.before else "0 %"
+
+
+def limited_words(front: Discovery, index: int) -> str:
+    """What holds one design's value where it is, in a few words."""
+    design, value = front.designs[index], front.values[index]
+    if value <= NOTHING * front.before:
+        return "nothing is left"
+    for bound in front.bounds:
+        if bound.value * CLOSE >= value:
+            return f"floor: {bound.row}'s own load" if bound.cause == "own" else f"floor: the payload at {bound.row}"
+    for floor in design.certificate.floors:
+        return f"{floor.row}, which no part reaches" if floor.cause == "own" else f"the payload at {floor.row}"
+    dear = [active for active in design.certificate.active if not phrases.is_natural(active)]
+    return phrases.limit_words(dear[0].limit) if dear else "number and kind of the parts"
+
+
+def _told(front: Discovery) -> list[tuple[str, str]]:
+    """The target and the floors."""
+    lines = []
+    if front.aim.target is not None:
+        met = not front.designs[front.recommended].missed
+        with_ = counted(len(front.designs[front.recommended].balancers))
+        asked = quantity(front.aim.target, front.unit)
+        lines.append(("target", f"{asked}: {f'met with {with_}' if met else 'missed'}"))
+    matter, faint = floors(front)
+    lines += [("floor", bound_words(bound)) for bound in matter]
+    return [*lines, *([("", f"next to nothing: {', '.join(faint)}")] if faint else [])]
+
+
+def floors(front: Discovery) -> tuple[list[Bound], list[str]]:
+    """The floors that matter, highest first, and the joints whose floors are far below the highest."""
+    highest = max((bound.value for bound in front.bounds), default=0.0)
+    matter = [bound for bound in front.bounds if bound.value >= FAINT * highest]
+    rows = dict.fromkeys(bound.row for bound in front.bounds)
+    told = {bound.row for bound in matter}
+    return sorted(matter, key=lambda bound: -bound.value), [row for row in rows if row not in told]
+
+
+def _looked(front: Discovery) -> list[tuple[str, str]]:
+    """What was searched, and what the filters removed."""
+    words = (
+        f"{front.candidates} candidates over {front.poses} states: {', '.join(front.pairs)}; points "
+        f"{quantity(front.spacing, 'm', 3)} apart, within {quantity(front.margin, 'm', 3)} of the links"
+    )
+    removed = [f"{count} ({reason})" for reason, count in front.refused.items() if count]
+    lines = [("looked at", words), *([("left out", ", ".join(removed))] if removed else [])]
+    lines += [("note", note) for note in front.notes]
+    few = "what lost is told with its value over the few poses of the refinement, designs with theirs over all"
+    return [*lines, *([("note", few)] if front.alternatives else [])]
+
+
+def _design(front: Discovery, index: int) -> list[str]:
+    """One design: its parts, what limits it, what its springs run into, how sure it is, and what lost to it."""
     design = front.designs[index]
+    count = len(design.balancers)
+    lines = labelled(
+        f"{counted(count)}:", f"{front.aim.norm} {value_words(front, front.values[index])}, "
+        f"{share(front, front.values[index])} of before"
+    )  # fmt: skip
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
-        ends = " to ".join(place(end["body"], end["at"]) for end in part["ends"])
-        if isinstance(balancer, Spring) and isinstance(balancer.path, Cable):
-            ends = "cable " + " over ".join(place(item.body, item.at) for item in balancer.path.through)
-        if part["kind"] == "counterweight":
-            found.append(f"{part['name']}: {text(part['mass'], 'kg')} at {ends}")
-            continue
-        values = ", ".join(
-            f"{name} {text(value, part['units'][name])}" for name, value in part["parameters"].items() if value
-        )
-        force = part["force"]
-        unit = "N" if part["unit"] == "m" else "N m"
-        found.append(f"{part['name']}: {part['law']}, {values}; {ends}; {force[0]:.4g} to {force[1]:.4g} {unit}")
-    return found
+        lines += part_lines(part, balancer, design)
+    for words in phrases.limited_by(design)[:3]:
+        lines += labelled("limited by", words)
+    for words in clash_words(front.clashes[index]) if front.clashes else ():
+        lines += labelled("clashes", words)
+    lines += labelled("certificate", phrases.certificate_words(design))
+    if design.verification is not None:
+        lines += labelled("verified", phrases.verified_words(design))
+    for label, words in tolerance_words(design):
+        lines += labelled(label, words)
+    for one in front.alternatives:
+        if one.springs == count:
+            lines += labelled("lost", alternative_words(front, one))
+    return lines
+
+
+def alternative_words(front: Discovery, one: Alternative) -> str:
+    """A choice that lost, with what it reached and why it lost."""
+    return f"{' and '.join(one.places)}, {value_words(front, one.value)}: {one.reason}"
+
+
+def next_steps(front: Discovery) -> list[str]:
+    """At most three things worth trying."""
+    best = front.designs[front.recommended]
+    springs = [b for b in best.balancers if isinstance(b, Spring)]
+    steps = []
+    if best.missed:
+        steps.append("allow more parts (`springs`), other `kinds`, or a wider `margin`: the target is missed")
+    collides = bool(front.clashes) and any(clash.depth for clash in front.clashes[front.recommended])
+    if collides and any(isinstance(spring.path, Line) for spring in springs):
+        steps.append("`avoid: bodies` in the `discover` block keeps springs out of the links")
+    if any(isinstance(spring.law, ZeroFreeLength) for spring in springs):
+        steps.append("a spring of zero free length is a coil with a cable over a guide: `kinds: [cable]` lays them out")
+    folder = f"DIR/{front.folder(best)}/design.json"
+    if any(spring.path.unit == "m" for spring in springs):
+        steps.append(f"`--out DIR` writes the designs; `equipoise pick {folder}` finds parts one can buy or wind")
+    else:
+        steps.append(f"`--out DIR` writes the designs; `equipoise report {folder}` draws one")
+    return steps[:3]
 
 
 def bound_words(bound: Bound) -> str:
     """A floor in words."""
-    return f"{bound.row}: {text(bound.value, bound.unit)}, {CAUSES[bound.cause]}"
-
-
-def place(body: str, at: Sequence[float]) -> str:
-    """A point of a body, mm."""
-    return f"{body} ({', '.join(f'{1e3 * v:.4g}' for v in at)}) mm"
+    value, unit = shown(bound.value, bound.unit)
+    return f"{bound.row}: {sig(value, 3)} {unit}, {CAUSES[bound.cause]}"

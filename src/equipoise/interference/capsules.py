@@ -13,8 +13,8 @@ from equipoise.discovery.ground import Ground, Group
 from equipoise.interference.collision import shapes
 from equipoise.interference.segments import closest
 from equipoise.mechanism import Mechanism, Point
+from equipoise.reporting.numbers import quantity
 from equipoise.states import States
-from equipoise.units import text
 
 SHARE = 0.04
 """Radius of a drawn capsule as a share of the mechanism's size."""
@@ -72,7 +72,7 @@ class Shell:
         parts = [f"fitted to collision shapes: {', '.join(fitted)}"] if fitted else []
         if drawn:
             names = ", ".join(sorted({capsule.body for capsule in drawn}))
-            parts.append(f"drawn joint to joint with radius {text(drawn[0].radius, 'm', 3)}: {names}")
+            parts.append(f"drawn joint to joint with radius {quantity(drawn[0].radius, 'm', 3)}: {names}")
         return "; ".join(parts) or "no capsules"
 
 

@@ -12,10 +12,11 @@ if TYPE_CHECKING:
     from equipoise.machinery import Drive, Machine, Supply
 
 NOTHING = 1e-9
+WHEN = ("before", "after")
 NOTE = (
-    "Inertial: what acceleration and speed ask for; gravity: weights; springs: those of the file and the added ones. "
-    "Work is the positive work over the motion, nothing regenerated; below it what is left where braking energy is "
-    "taken back without loss. The last row: all motors on one supply, braking ones feeding the others."
+    "The rms by cause: inertial is what acceleration and speed ask for; gravity, weights; springs, those of the file "
+    "and the added ones. Work is the positive work over the motion, nothing regenerated; net is what is left where "
+    "braking energy is taken back without loss. All on one supply: braking motors feed the others."
 )
 BEARINGS = (
     "The force in each bearing and pin by itself, weight and springs included, through the closed loops. A gear mesh "
@@ -69,20 +70,18 @@ def motors(machines: Sequence[Machine]) -> Raw:
     """The table of motors and that of bearings."""
     rows = []
     for joint in machines[0].drives:
-        drives = [machine.drives[joint] for machine in machines]
-        cells: list[str] = [join([joint, small(drives[0].effort.unit)])]
-        for drive in drives:
-            cells += [sig(drive.effort.peak), sig(drive.effort.rms)]
-            cells += [sig(drive.parts[part].rms) for part in ("inertial", "gravity", "springs")]
-            cells += [_supply(drive.work), sig(drive.power)]
-        rows.append(cells)
-    if len(rows) > 1 and machines[0].supply is not None:
-        shared: list[str] = ["all, one supply"]
-        for machine in machines:
-            shared += ["", "", "", "", "", _supply(machine.supply), ""]
-        rows.append(shared)
-    head = ["peak", "rms", "inertial rms", "gravity rms", "springs rms", "work [J]", "power [W]"]
-    made = table(["motor", *head * len(machines)], rows, numbers=1, groups=_groups(len(head)))
+        for when, machine in zip(WHEN, machines, strict=True):
+            drive = machine.drives[joint]
+            parts = [sig(drive.parts[part].rms) for part in ("inertial", "gravity", "springs")]
+            name = join([joint, small(drive.effort.unit)]) if when == WHEN[0] else ""
+            effort = [sig(drive.effort.peak), sig(drive.effort.rms), *parts]
+            rows.append([name, when, *effort, *_supply(drive.work), sig(drive.power)])
+    if len(machines[0].drives) > 1 and machines[0].supply is not None:
+        for when, machine in zip(WHEN, machines, strict=True):
+            name = "all, one supply" if when == WHEN[0] else ""
+            rows.append([name, when, "", "", "", "", "", *_supply(machine.supply), ""])
+    head = ["peak", "rms", "inertial", "gravity", "springs", "work [J]", "net [J]", "power [W]"]
+    made = table(["motor", "", *head], rows, numbers=2)
     held = [
         [join([bearing.name, small(" to ".join(bearing.between))])]
         + [sig(value) for m in machines for value in (m.forces[bearing.name].peak, m.forces[bearing.name].rms)]
@@ -100,12 +99,14 @@ def motors(machines: Sequence[Machine]) -> Raw:
 
 
 def _groups(width: int) -> str:
-    sides = "".join(f'<th class="group {side}" colspan="{width}">{side}</th>' for side in ("before", "after"))
+    sides = "".join(f'<th class="group {side}" colspan="{width}">{side}</th>' for side in WHEN)
     return f"<tr><th></th>{sides}</tr>"
 
 
-def _supply(supply: Supply | None) -> str:
-    return join([sig(supply.positive), small(f"net {sig(supply.net)}")]) if supply else ""
+def _supply(supply: Supply | None) -> list[str]:
+    if supply is None:
+        return ["", ""]
+    return [sig(supply.positive), sig(_clear(supply.net, supply.positive + supply.braking))]
 
 
 def _parts(drives: Sequence[Drive]) -> list[str]:

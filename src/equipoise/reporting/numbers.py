@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from equipoise.design import Row
+if TYPE_CHECKING:
+    from equipoise.design import Row
 
 SHOWN = {
     "m": (1e3, "mm"),

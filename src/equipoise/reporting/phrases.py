@@ -319,6 +319,9 @@ def floor_words(design: Design) -> list[str]:
     return words
 
 
+SHARES = {"motor": ", each as a share of its motor limit", "before": " as a share of its value before"}
+
+
 def objective_words(design: Design) -> str:
     """`the peak over all driven joints`, with weights, caps and divisors where there are any."""
     words = []
@@ -328,7 +331,7 @@ def objective_words(design: Design) -> str:
         else:
             what = "the added mass" if aim.goal == "mass" else f"the {aim.norm} of the {aim.goal}"
             what = what.replace("wrench", "resultant on the platform")
-        what += ", each as a share of its motor limit" if aim.divisor else ""
+        what += SHARES.get(aim.divisor or "", "")
         number, unit = shown(aim.cap or 0.0, aim.unit(design.mechanism))
         weight = "" if aim.weight == 1 else f"{plain(aim.weight)} x "
         words.append(f"{what}, kept below {plain(number)} {unit}" if aim.cap is not None else f"{weight}{what}")
@@ -402,6 +405,8 @@ def verified_words(design: Design) -> str:
         return "not yet: `equipoise verify` simulates the design at poses it never saw"
     error = sig(found.max_abs_error, 2)
     verdict = f"agrees to {error} {found.unit}" if found.agrees else f"DISAGREES by {error} {found.unit}"
+    if found.agrees and not any(one.load for one in found.errors.values()):
+        verdict = "nothing to hold at rest, and it agrees"
     poses = f"{found.poses:,}".replace(",", " ")
     words = f"{found.engine}, {poses} unseen poses, saved file reloaded: {verdict}"
     moved = motion_words(found.motion) if found.motion else []

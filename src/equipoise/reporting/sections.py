@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 
+from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.reporting import phrases
 from equipoise.reporting.jsonfile import strict
@@ -20,8 +21,11 @@ HONEST = (
     "Links are rigid; the answer is quasi-static: every pose is held still, nothing accelerates.",
     "Friction and hysteresis come on top of the residual shown; they are not designed away.",
     "A robot file is only as good as its masses: weigh the heaviest link before buying springs.",
+)
+OF_SPRINGS = (
     "A heavy spring's own mass is lumped at its two ends, which is exact for a spring of zero free length.",
-    "Nothing here checks that a spring clears the links: look at the drawing, then at the assembly.",
+    "Unless a limit `avoid` says so, nothing checks that a spring clears the links: look at the drawing, then at the "
+    "assembly.",
 )
 
 MOVING = "Links are rigid and joints have no play: the motion is followed exactly, elastic vibration comes on top."
@@ -54,8 +58,14 @@ def _checked(design: Design, joint: str) -> list[tuple[str, str, str]]:
         return [("not verified", "no simulation has confirmed this yet", " bad")]
     verdict = "agrees" if found.agrees else "disagrees"
     poses = f"{found.poses:,}".replace(",", FIXED)
-    words = f"largest difference from {found.engine} at {poses} unseen poses: it {verdict}"
-    boxes = [(f"{sig(found.max_abs_error, 2)} {found.unit}", words, "" if found.agrees else " bad")]
+    bad = "" if found.agrees else " bad"
+    if found.motion is None:
+        words = f"largest difference from {found.engine} at {poses} unseen poses: it {verdict}"
+        boxes = [(f"{sig(found.max_abs_error, 2)} {found.unit}", words, bad)]
+    else:
+        worst = max(error.relative for error in found.motion.errors.values())
+        words = f"largest difference from {found.engine}'s inverse dynamics over the motion: it {verdict}"
+        boxes = [(f"{sig(worst, 2)} of the load", words, bad)]
     bound = found.bounds.get(joint)
     if bound is not None and math.isfinite(bound.upper):
         kind = "no pose between the samples exceeds it" if bound.rigorous else "estimated maximum between the samples"
@@ -146,7 +156,8 @@ def files(design: Design, model: str) -> Raw:
 def honest_limits(design: Design) -> Raw:
     """What the numbers leave out."""
     first = HONEST[0] if design.sweep.moves is None else MOVING
-    return section("What this does not cover", listing([first, *HONEST[1:]]))
+    springs = OF_SPRINGS if any(isinstance(balancer, Spring) for balancer in design.balancers) else ()
+    return section("What this does not cover", listing(map(prose, [first, *HONEST[1:], *springs])))
 
 
 def literature(design: Design) -> Raw:

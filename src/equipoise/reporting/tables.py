@@ -144,7 +144,10 @@ def verification(design: Design) -> Raw:
     between = (
         "Upper bound, where proven: no pose of the swept box, sampled or not, exceeds it. Method: "
         f"{'; '.join(_methods(methods))}."
+        if methods
+        else ""
     )
+    head = ["joint", "difference", "relative", *(["peak after", "upper bound", ""] if methods else [])]
     energy = (
         f"Every effort is the derivative of its energy; relative differences: {elements} "
         f"(tolerance {sig(found.energy_tolerance, 1)})."
@@ -153,8 +156,8 @@ def verification(design: Design) -> Raw:
         "Verification",
         said,
         element("p", worst, class_="warning") if worst else "",
-        table(["joint", "difference", "relative", "peak after", "upper bound", ""], rows, numbers=1),
-        element("p", between, class_="note"),
+        table(head, [row[: len(head)] for row in rows], numbers=1),
+        element("p", between, class_="note") if between else "",
         element("p", energy, class_="note"),
         motion_table(found.motion) if found.motion else "",
         listing(found.notes) if found.notes else "",

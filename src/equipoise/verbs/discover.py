@@ -31,6 +31,8 @@ FEW = 256
 """Poses over which contenders are refined."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
+DETOUR = 1e-3
+"""Share of the bare value by which a design may get worse on its way to less stored energy."""
 
 Progress = Callable[[int, int, float], None]
 
@@ -123,24 +125,11 @@ def discover(
         margin=collection.margin,
         refused=collection.refused,
         pairs=tuple(dict.fromkeys(batch.place for batch in collection.dictionary.batches)),
-        notes=(*found.notes, *_clashes(found.designs, request)),
+        notes=(*found.notes, f"clashes are judged by capsules {shell(mechanism, request.radius).words}"),
+        clashes=tuple(clashes(design, request.radius) for design in found.designs),
         stopped=found.stopped,
         values=tuple(found.values),
     )
-
-
-def _clashes(designs: Sequence[Design], request: Discover) -> list[str]:
-    """What the springs of every design run into, and where the capsules come from."""
-    if not designs:
-        return []
-    notes = [f"capsules {shell(designs[0].mechanism, request.radius).words}"]
-    for design in designs:
-        seen = clashes(design, request.radius)
-        count = len(design.balancers)
-        notes += [f"with {count}: {clash.words}" for clash in seen]
-        if not seen:
-            notes.append(f"with {count}: no spring runs into a body or passes a joint's axis")
-    return notes
 
 
 def _before(design: Design, aim: Aim) -> float:
@@ -159,7 +148,7 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
     if before is not None and len(before.parts.balancers) == count - 1:
         for index in additions(collection, before, None, 1):
             parts = before.parts.with_one(collection.propose(index, count))
-            _try(refiner, parts, (f"the {count - 1} before", *collection.dictionary.places((index,))), tried)
+            _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
     found.alternatives += [
         Alternative(count, places, one.value, f"it breaks a limit by {100 * one.excess:.2g} %")
@@ -170,15 +159,16 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
         found.refined = None
         return
     least = min(one.value for _, one in sound)
-    sound.sort(key=lambda pair: (pair[1].value > least * (1 + ALIKE), pair[1].energy))
+    alike = max(least * (1 + ALIKE), NOTHING * refiner.bare)
+    sound.sort(key=lambda pair: (pair[1].value > alike, pair[1].energy))
     best = sound[0][1]
     for places, one in sound[1:]:
-        alike = one.value <= least * (1 + ALIKE)
-        worse = (
-            f"as good, and it stores {one.energy:.3g} J against {best.energy:.3g} J"
-            if alike
-            else f"{one.value:.3g} against {best.value:.3g} after refinement"
-        )
+        if one.value > alike:
+            worse = f"refined as the winner was, which reached {best.value:.3g}"
+        elif one.energy > best.energy * (1 + ALIKE):
+            worse = f"as good, but it stores {one.energy:.3g} J against {best.energy:.3g} J"
+        else:
+            worse = "as good: the search came to the same at another place"
         found.alternatives.append(Alternative(count, places, one.value, worse))
     found.refined = best
 
@@ -219,7 +209,14 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
     try:
         if parts.free:
             shaped = descended(
-                refiner.mechanism, parts.balancers, sweep, parts.free, refiner.objective, limits, PRECISION
+                refiner.mechanism,
+                parts.balancers,
+                sweep,
+                parts.free,
+                objective=refiner.objective,
+                limits=limits,
+                precision=PRECISION,
+                detour=DETOUR,
             )
             design = built(parts, shaped)
         else:

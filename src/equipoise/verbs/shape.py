@@ -48,6 +48,8 @@ BRIEF = 25
 SOUNDED = 16
 NOTHING = 1e-8
 """Share of the load below which a start has found an exact balance, which no other can better."""
+ALIKE = 1e-3
+"""Share by which values may differ and the stored energy still decide."""
 SLACK = 2e-7
 """Share of the objective that may be given for less stored energy."""
 
@@ -136,14 +138,17 @@ def descended(
     balancers: Sequence[Balancer],
     sweep: Sweep,
     free: Mapping[str, tuple[float, float]],
+    *,
     objective: Sequence[Aim],
     limits: Sequence[Limit],
     precision: float,
+    detour: float,
 ) -> Design:
     """The local optimum next to a geometry that is nearly one: a single descent over the whole sweep.
 
-    precision is what a further step may still gain, a share of the load. Raises EquipoiseError where the limits
-    cannot be kept.
+    precision is what a further step may still gain, a share of the load; detour by what share of the load the
+    objective may rise on the way to an equally good geometry with less stored energy. Raises EquipoiseError where the
+    limits cannot be kept.
     """
     freedoms = tuple(freedom_of(balancers, name, bounds) for name, bounds in free.items())
     search = _Search(task_of(mechanism, balancers, sweep, None, tuple(objective), limits), freedoms)
@@ -155,6 +160,7 @@ def descended(
     if best.excess > 1e-6:
         raise EquipoiseError("the limits cannot be kept within the bounds", where="shape", hint="widen the bounds")
     search, best, balanced = _refine(search, best, load, **options)
+    search, best, balanced = _relaxed(search, best, balanced, load, detour)
     balanced = replace(balanced, refined=len(balanced.task.sweep.poses) - len(sweep.poses))
     return _finish(search, Optima((best,), 0), balanced)
 
@@ -346,6 +352,30 @@ def _spare(search: _Search, best: Local, balanced: Balanced, load: float) -> tup
             break
         search = search.over(found.task.sweep)
     return best, balanced
+
+
+def _relaxed(
+    search: _Search, best: Local, balanced: Balanced, load: float, detour: float
+) -> tuple[_Search, Local, Balanced]:
+    """As `_spare`, by way of geometries that are worse by a share of the load: curved valleys have no other way."""
+    states = search.task.mechanism.states(search.task.sweep)
+    few = thinned(search.task.sweep, states) if len(search.task.sweep.poses) > COARSE else search.task.sweep
+    value = max(balanced.solution.objective, NOTHING * load)
+    thrifty = _thrifty(search.over(few), best, value + detour * load)
+    if thrifty is None:
+        return search, best, balanced
+    options: dict[str, Any] = {"precision": 0.1 * ALIKE * value / load, "iterations": BRIEF}
+    back = descend(search.builder(states), search.freedoms, thrifty.gamma, load, radius=0.02, **options)
+    wider, back, found = _refine(search, back, load, **options)
+    as_good = back.excess <= 1e-6 and found.solution.objective <= value * (1 + ALIKE)
+    spared = _stored(search, back, found) < _stored(search, best, balanced)
+    return (wider, back, found) if as_good and spared else (search, best, balanced)
+
+
+def _stored(search: _Search, at: Local, balanced: Balanced) -> float:
+    """The largest stored energy of a solution, J."""
+    energy = thrift(balanced.program, search.at(at.gamma).balancers, balanced.states, 1.0).terms[0]
+    return float(energy.value(balanced.solution.theta))
 
 
 def _thrifty(search: _Search, best: Local, value: float) -> Local | None:

@@ -1,0 +1,90 @@
+"""Several answers beside each other: `front`, `side-by-side` and `compare`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from equipoise.cli.answers import answer
+from equipoise.cli.core import File, Json, Out, Starts
+from equipoise.console import emit, say, staging
+
+
+def front(
+    file: File,
+    json: Json = False,
+    out: Out = None,
+    against: Annotated[str, typer.Option("--against", help="What it costs: mass, or another goal's peak.")] = "mass",
+    caps: Annotated[str | None, typer.Option("--caps", help="Growing caps, such as '26 kg, 28 kg, 30 kg'.")] = None,
+    points: Annotated[int, typer.Option("--points", min=2, help="How many caps where none are given.")] = 8,
+) -> int:
+    """The objective's best value for every amount of added mass (or of another goal), each with its proof."""
+    from equipoise.objective import goal_blocks
+    from equipoise.solving import solvable_problem
+    from equipoise.units import to_si
+    from equipoise.verbs.front import front as run
+
+    problem = solvable_problem(file, "front")
+    unit = goal_blocks(problem.mechanism, against)[0].unit
+    given = None if caps is None else [to_si(_number(text), unit, "--caps") for text in caps.split(",")]
+    with problem.at_names():
+        found = run(
+            problem.mechanism, problem.balancers, problem.sweep, objective=problem.objective, against=against,
+            caps=given, points=points, limits=problem.limits,
+        )  # fmt: skip
+    say(str(found))
+    with staging(out) as stage:
+        files = found.write(stage) if stage is not None else []
+    for one in files:
+        say(f"front       {one.name}")
+    if json:
+        emit(found.json())
+    return 0
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip()
+
+
+def side_by_side(
+    files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Problem files or designs of one mechanism.")],
+    json: Json = False,
+    out: Out = None,
+) -> int:
+    """Several designs over one motion: mass, inertia, shaking, torque, power and work beside each other."""
+    from equipoise.solving import found_design
+    from equipoise.verbs.side_by_side import side_by_side as run
+
+    designs = {Path(file).stem: found_design(file, "side-by-side")[0] for file in files}
+    found = run(designs)
+    return answer(found, "side_by_side.json", json, out)
+
+
+def compare(file: File, json: Json = False, out: Out = None, starts: Starts = None) -> int:
+    """A working member of every family of balancers for one joint, side by side and ranked."""
+    from equipoise.reporting.comparison import markdown
+    from equipoise.targets import target_of
+    from equipoise.verbs.compare import STARTS
+    from equipoise.verbs.compare import compare as run
+
+    problem = target_of(file).problem
+    norm = next(aim.norm for aim in problem.objective if aim.cap is None)
+    with problem.at_names():
+        found = run(
+            problem.mechanism,
+            problem.sweep,
+            problem.content.compare,
+            norm=norm,
+            starts=starts or STARTS,
+            progress=lambda name: say(f"designing {name}"),
+        )
+
+    def table(folder: Path) -> None:
+        (folder / "comparison.md").write_text(markdown(found) + "\n", encoding="utf-8")
+
+    return answer(found, "comparison.json", json, out, beside=table)
