@@ -11,18 +11,18 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.solve.program import Program
-from equipoise.solve.small import boxed, quadratic
+from equipoise.solve.small import boxed, elastic
 
-STEPS = 40
-PRICE = 100.0
-"""Of one unit of relative excess, in units of the squared residual of what nothing balances."""
+STEPS = 25
+PRICE, RISE, DEAREST = 30.0, 10.0, 3000.0
+"""Of one unit of relative excess, in units of the squared residual of what nothing balances; how it rises, and ends."""
+PASSED = 1e-7
 RADIUS = 0.2
 STILL = 3e-5
 """Share of the squared residual below which a predicted gain is none."""
 SMALL = 1e-8
 NUDGE = 1e-7
 """Step of the differences, in shares of the bounds."""
-AHEAD = 0.03
 NEAR = 10
 """How many limits a step looks at."""
 OPEN = 100.0
@@ -73,10 +73,9 @@ class _Here:
         """The worst relative excess (K,), zero where all limits are kept."""
         return np.maximum(self.excess.max(axis=-1, initial=0.0), 0.0)
 
-    @property
-    def merit(self) -> Array:
-        """Squared residual and the price of the worst excess (K,)."""
-        return (self.residual**2).sum(-1) + PRICE * self.beyond
+    def merit(self, price: Array) -> Array:
+        """Squared residual and the price (K,) of the worst excess (K,)."""
+        return (self.residual**2).sum(-1) + price * self.beyond
 
 
 Measure = Callable[[Which, Array], _Here]
@@ -106,7 +105,7 @@ def fit(many: Many, lower: Array, upper: Array, gamma: Array, theta: Array, load
 def _descend(measure: Measure, x: Array, here: _Here, box: tuple[Array, Array], steps: int) -> None:
     """Steps of all candidates, in place, until each stands still."""
     (count, V), span = x.shape, box[1] - box[0]
-    turn, radius, merit = np.zeros((count, V, V)), np.full(count, RADIUS), here.merit
+    turn, radius, price = np.zeros((count, V, V)), np.full(count, RADIUS), np.full(count, PRICE)
     missed = _Here(*(np.zeros_like(part) for part in here.parts))
     bent = np.zeros(count, dtype=bool)
     active = np.arange(count)
@@ -115,21 +114,29 @@ def _descend(measure: Measure, x: Array, here: _Here, box: tuple[Array, Array], 
         unit = _unit(now, span)
         room = radius[active, None] * np.minimum(span / unit, OPEN)
         reach = np.maximum((box[0] - x[active]) / unit, -room), np.minimum((box[1] - x[active]) / unit, room)
-        move, predicted, dual = _step(now, missed.take(active), turn[active], unit, reach)
-        standing = (predicted <= STILL * now.merit + STILL**2) & ~bent[active]
+        move, predicted, dual = _step(now, missed.take(active), turn[active], unit, reach, price[active])
+        standing = (predicted <= STILL * now.merit(price[active]) + STILL**2) & ~bent[active]
+        # Limits that are passed where nothing moves any more have too low a price.
+        cheap = standing & (now.beyond > PASSED) & (price[active] < DEAREST)
+        price[active[cheap]] *= RISE
+        radius[active[cheap]] = RADIUS
         keep = ~standing
+        raised = active[cheap]
         active, move, predicted, now, unit = active[keep], move[keep], predicted[keep], now.take(keep), unit[keep]
         dual = dual[keep]
         if not len(active):
-            return
+            if not len(raised):
+                return
+            active = raised
+            continue
         there = np.clip(x[active] + move, *box)
         trial = measure(active, there)
-        gain = merit[active] - trial.merit
+        gain = now.merit(price[active]) - trial.merit(price[active])
         ratio = gain / np.maximum(predicted, 1e-300)
         better = (gain > 0) & (ratio > 0.02)
         done = active[better]
         turn[done] = _turned(turn[done], move[better], now.take(better), trial.take(better), dual[better])
-        x[done], merit[done] = there[better], trial.merit[better]
+        x[done] = there[better]
         here.put(done, trial.take(better))
         # A first failure bends the model by what it missed there; a second shrinks its region.
         again = ~better & ~bent[active]
@@ -149,7 +156,7 @@ def _descend(measure: Measure, x: Array, here: _Here, box: tuple[Array, Array], 
         straight = active[~again]
         for part in (missed.residual, missed.excess):
             part[straight] = 0.0
-        active = active[radius[active] > SMALL]
+        active = np.sort(np.append(active[radius[active] > SMALL], raised))
 
 
 def _unit(here: _Here, span: Array) -> Array:
@@ -159,7 +166,7 @@ def _unit(here: _Here, span: Array) -> Array:
 
 
 def _step(
-    here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Array, Array]
+    here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Array, Array], price: Array
 ) -> tuple[Array, Array, Array]:
     """The move (K, V) of the elastic quadratic program, the merit it predicts to gain (K,), the multipliers (K, M)."""
     J = here.slope * unit[:, None, :]
@@ -174,37 +181,13 @@ def _step(
     passing = np.flatnonzero(~least | (np.einsum("kiv,kv->ki", A, move) + excess > 0).any(axis=1))
     if len(passing):
         low, high = (end[passing] for end in reach)
-        move[passing], pushed = _elastic(positive[passing], gradient[passing], A[passing], excess[passing], low, high)
+        parts = (part[passing] for part in (positive, gradient, A, np.maximum(excess, -FAR)))
+        move[passing], pushed = elastic(*parts, low, high, price[passing] / 2)
         dual[passing[:, None], near[passing]] = pushed
     after = np.einsum("kiv,kv->ki", A, move) + excess
     model = np.einsum("kv,kvw,kw->k", move, positive, move) + 2 * (gradient * move).sum(-1)
-    predicted = -model + PRICE * (here.beyond - np.maximum(after.max(axis=-1, initial=0.0), 0.0))
+    predicted = -model + price * (here.beyond - np.maximum(after.max(axis=-1, initial=0.0), 0.0))
     return move * unit, predicted, dual
-
-
-def _elastic(H: Array, gradient: Array, A: Array, excess: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """The move (K, V) of least model and price of the worst excess, and the multipliers of the limits (K, M).
-
-    One more variable stands for the worst excess, which all limits share.
-    """
-    count, M, V = A.shape
-    wide = np.zeros((count, V + 1, V + 1))
-    wide[:, :V, :V] = H
-    wide[:, V, V] = 1e-8
-    q = np.concatenate([gradient, np.full((count, 1), PRICE / 2)], axis=1)
-    G = np.zeros((count, M + 1 + 2 * V, V + 1))
-    G[:, :M, :V], G[:, : M + 1, V] = A, -1.0
-    index = np.arange(V)
-    G[:, M + 1 + index, index], G[:, M + 1 + V + index, index] = 1.0, -1.0
-    h = np.concatenate([np.minimum(-excess, FAR), np.zeros((count, 1)), high, -low], axis=1)
-    # From the middle, on the central path: every slack times its multiplier is the same, which balances the price.
-    start = np.concatenate([(low + high) / 2, np.zeros((count, 1))], axis=1)
-    there = (A @ start[:, :V, None])[..., 0] + excess
-    start[:, V] = np.maximum(there.max(axis=-1, initial=0.0), 0.0) + AHEAD
-    slack = np.maximum(h - (G @ start[..., None])[..., 0], 1e-9)
-    dual = PRICE / 2 / (1 / slack[:, : M + 1]).sum(axis=1, keepdims=True) / slack
-    z, dual = quadratic(wide, q, G, h, start, dual)
-    return np.clip(z[:, :V], low, high), dual[:, :M]
 
 
 def _near(A: Array, excess: Array, reach: tuple[Array, Array]) -> tuple[Array, Array, Which]:

@@ -70,7 +70,7 @@ def survey_catalogue(
     load = load_of(task, states)
     if not load > 0:
         raise InputError("nothing loads what counts", where="survey", hint="check gravity and joints")
-    work = Work(task, name, freedoms, catalogue, states, load, seed)
+    work = Work(task, name, freedoms, catalogue, states, load, seed, parallel)
     jobs = [(row, number) for number in range(1, parallel + 1) for row in range(len(catalogue))]
     known = {(line.part, line.number) for line in done}
     jobs = [(row, number) for row, number in jobs if (catalogue.part[row], number) not in known]
