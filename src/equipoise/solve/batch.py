@@ -13,7 +13,7 @@ from equipoise.affine import Array
 from equipoise.solve.program import Program
 from equipoise.solve.small import boxed, elastic
 
-STEPS = 25
+STEPS = 40
 PRICE, RISE, DEAREST = 30.0, 10.0, 3000.0
 """Of one unit of relative excess, in units of the squared residual of what nothing balances; how it rises, and ends."""
 PASSED = 1e-7

@@ -41,9 +41,12 @@ PRICE, SAFE = 3.0, 300.0
 """Of leaving the working range, in loads per share of it: of what may still get back, and of what must keep it."""
 NEARLY = 1e-3
 """Excess up to which where a scout came to rest is a beginning."""
-PASSES = 5
+PASSES, LATE = 5, 20
+"""How often states join where a limit was passed between the few, and the steps of a part that goes on then."""
 SWEEPS = 1
-LENT, NEIGHBOURS = 0.25, 0.03
+MISSED = 0.01
+"""Excess of a limit beyond which a part is given up."""
+LENT, NEIGHBOURS = 0.08, 0.03
 """A part goes on from where another one came to rest, where that is worse by so much as it stands, and so far away."""
 GLANCES = ((5, 4), (3, 6))
 """(how many, steps): after so many steps each, so many of a part's beginnings go on."""
@@ -206,8 +209,9 @@ class Work:
         sample = self.many(self.few, one, np.ones(1))(one, low[None])
         return np.concatenate([low, sample.lower]), np.concatenate([high, sample.upper])
 
-    def lines(self, rows: Rows, number: Array) -> list[Line]:
+    def __call__(self, chunk: tuple[Rows, Array]) -> list[Line]:
         """A chunk's parts, each at the best of its optima, judged over all states."""
+        rows, number = chunk
         sources = zip((self.even, self.scouted), BEGINNINGS, strict=True)
         starts = [_best(one, self.scores(one, rows, number), *how, self.bounds) for one, how in sources]
         starts.append(self.even.gamma[self.scores(self.even, rows, number, SAFE).argmin(axis=1)][:, None])
@@ -232,7 +236,8 @@ class Work:
         scores = self.scores(pool, rows, number)
         span = np.maximum(self.bounds[1] - self.bounds[0], 1e-300)
         away = np.abs((pool.gamma - best.gamma[:, None]) / span).max(axis=2)
-        mine = np.where(kept, best.judged.value * (1 + LENT), np.inf)
+        hopeless = best.judged.excess > MISSED
+        mine = np.where(kept, best.judged.value * (1 + LENT), np.where(hopeless, -np.inf, np.inf))
         scores = np.where((away > NEIGHBOURS) & (scores < mine[:, None]), scores, np.inf)
         which, there = np.nonzero(np.isfinite(scores) & (scores == scores.min(axis=1, keepdims=True)))
         which, first = np.unique(which, return_index=True)
@@ -245,12 +250,12 @@ class Work:
         excess = found.excess.copy()
         for _ in range(PASSES):
             # Between the few states a limit was passed: the worst ones join them, and those parts go on from there.
-            todo = np.flatnonzero((judged.excess > KEPT) & ((judged.excess > 2 * excess) | (excess < NEARLY)))
+            todo = np.flatnonzero((judged.excess > KEPT) & ((judged.excess > 2 * excess) | (judged.excess < 10 * KEPT)))
             if not len(todo):
                 break
             few = few.joined(judged.worst[todo][judged.worst[todo] >= 0])
             again = rows[which[todo]], number[which[todo]]
-            found = fit(self.many(few.of(self.states), *again), *self.box, gamma[todo], theta[todo], self.load)
+            found = fit(self.many(few.of(self.states), *again), *self.box, gamma[todo], theta[todo], self.load, LATE)
             gamma[todo], theta[todo], excess[todo] = found.gamma, found.theta, found.excess
             judged = judged.updated(todo, self._judged(*again, found))
         return Best.of(len(rows), which, gamma, theta, judged)
