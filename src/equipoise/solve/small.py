@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from equipoise.affine import Array
 
 ITERATIONS = 20
-PRECISION = 1e-9
+PRECISION = 1e-7
 BACK = 0.995
 AHEAD = 0.03
 """Room that the worst row has at the start."""

@@ -33,7 +33,7 @@ def shared(work: Callable[[Piece], Answer], pieces: Sequence[Piece], workers: in
         yield from map(work, pieces)
         return
     left = list(range(len(pieces)))
-    with _pool(min(workers, len(pieces)), sent) as pool:
+    with processes(min(workers, len(pieces)), initializer=_receive, initargs=(sent,)) as pool:
         running: dict[Future[Any], int] = {}
         waiting = iter(range(len(pieces)))
         try:
@@ -63,11 +63,11 @@ def _finished(running: dict[Future[Any], int], left: list[int]) -> Iterator[Any]
 
 
 @contextmanager
-def _pool(workers: int, sent: bytes) -> Iterator[ProcessPoolExecutor]:
+def processes(workers: int, **options: Any) -> Iterator[ProcessPoolExecutor]:
     """Processes with one thread of linear algebra each: more would only get in each other's way."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update({name: value or "1" for name, value in before.items()})
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_receive, initargs=(sent,))
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), **options)
     try:
         yield pool
     finally:
