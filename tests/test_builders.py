@@ -8,6 +8,7 @@ import pinocchio as pin
 import pytest
 
 from equipoise.errors import InputError
+from equipoise.kinematics import kinematics
 from equipoise.loops import close_loops
 from equipoise.models.chain import Link, chain
 from equipoise.models.four_bar import crank_range, four_bar
@@ -15,7 +16,6 @@ from equipoise.models.human_leg import human_leg
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.slider_crank import slider_crank
-from equipoise.states import kinematics
 
 G = 9.81
 RNG = np.random.default_rng(7)

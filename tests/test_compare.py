@@ -11,7 +11,10 @@ import pytest
 
 import equipoise as eq
 from equipoise.cli import main
+from equipoise.comparing import Comparing
+from equipoise.families.judge import Chance
 from equipoise.problem import load_problem
+from equipoise.scattering import Scatter
 
 ROOT = Path(__file__).parents[1]
 G = 9.81
@@ -116,6 +119,39 @@ def test_the_docs_show_the_programs_own_table(found):
             numbers = [re.findall(r"-?[\d.]+(?:e-?\d+)?", cell) for cell in (a, b)]
             assert re.sub(r"[\d.e-]+", "#", a) == re.sub(r"[\d.e-]+", "#", b)
             np.testing.assert_allclose([float(n) for n in numbers[0]], [float(n) for n in numbers[1]], rtol=0.02)
+
+
+def test_friction_of_two_pins_by_hand(found):
+    """mu r f at each pin, times how fast it turns: the line against the base, and the arm against the line."""
+    ideal = entry(found, "zero-free-length")
+    states, spring = ideal.design.states, ideal.design.balancers[0]
+    q = states.driven[:, 0]
+    ends = [states.point(end)[0] for end in (spring.path.a, spring.path.b)]
+    along = ends[1] - ends[0]
+    force = ideal.facts.rate * np.linalg.norm(along, axis=1)
+    turned = np.unwrap(np.arctan2(along[:, 0], along[:, 2]))
+    slope = np.gradient(turned, q, edge_order=2)
+    by_hand = 0.1 * 0.005 * force * (np.abs(slope) + np.abs(1 - slope))
+    assert ideal.facts.friction == pytest.approx(by_hand.max(), rel=5e-3)
+    assert entry(found, "counterweight").facts.friction is None
+
+
+def test_rows_ranked_by_the_upper_end_of_the_band(found):
+    """The 95 % value decides, and errors that are off for the same reason are off alike in every family."""
+    mechanism, sweep = found.site.mechanism, found.sweep
+    asked = Comparing(room=0.15, families=("counterweight", "cable and eye", "torsion", "C II"))
+    banded = eq.compare(mechanism, sweep, asked, judged="band")
+    highs = [one.facts.high for one in banded.entries]
+    assert highs == sorted(highs)
+    assert banded.json()["judged"] == "band"
+    assert "95 % value of the rms" in str(banded)
+    assert all(one.facts.high > one.facts.rms for one in found.entries)
+    # Mass 2 %, tilt, and the weight's own 5 %: independent, so their squares add to first order.
+    weight, load = entry(found, "counterweight").facts, found.before.rms
+    calm = Chance(Scatter(rate=0.05, anchor=0, angle=0, mass=0, tilt=0, temperature=0))
+    alone = eq.compare(mechanism, sweep, Comparing(room=0.15, families=("counterweight",)), chance=calm)
+    assert alone.entries[0].facts.high == pytest.approx(0.025 * 1.959964 * load, rel=0.02)
+    assert weight.high > alone.entries[0].facts.high
 
 
 def test_a_slide_is_compared_in_newtons():

@@ -395,7 +395,10 @@ def test_a_pulley_with_a_radius_keeps_the_cable_on_one_side():
 def small():
     mech = arm()
     aim = eq.Aim(norm="peak", target=2.0)
-    return eq.discover(mech, eq.Sweep.sobol(mech, 64), eq.Discover(2, candidates=400, contenders=2), objective=aim)
+    sweep = eq.Sweep.sobol(mech, 64)
+    front = eq.discover(mech, sweep, eq.Discover(2, candidates=400, contenders=2), objective=aim)
+    scattered = [replace(design, tolerance=eq.tolerance(design, samples=2000)) for design in front.designs]
+    return front.with_designs(tuple(scattered))
 
 
 def test_a_front_reads_in_workshop_words(small, monkeypatch):
@@ -419,6 +422,23 @@ def test_a_front_reads_in_workshop_words(small, monkeypatch):
             assert f"{place(part['ends'][0])}" in " ".join(told.split())
         assert all(clash.what in told for clash in clashes)
     assert all(" and ".join(one.places) in " ".join(told.split()) for one in small.alternatives)
+
+
+def test_numbers_of_parts_are_judged_by_the_band_where_asked(small):
+    """A target between one spring's value and its 95 % value asks for the second spring."""
+    mech, sweep = small.designs[0].mechanism, eq.Sweep.sobol(small.designs[0].mechanism, 64)
+    between = (small.values[0] + small.highs[0]) / 2
+    request = eq.Discover(2, candidates=400, contenders=2)
+    plain = eq.Aim(norm="peak", target=between)
+    nominal = eq.discover(mech, sweep, eq.Discover(1, candidates=400, contenders=2), objective=plain)
+    assert nominal.recommended == 0
+    assert not nominal.designs[0].missed
+    banded = eq.discover(mech, sweep, request, objective=replace(plain, judged="band"))
+    assert "the 95 % value of the peak is" in banded.designs[0].missed
+    assert banded.recommended == 1
+    assert banded.highs[1] == banded.designs[1].judged < between
+    assert banded.json()["highs"] == list(banded.highs)
+    assert "95 % value: met with 2 parts" in str(banded)
 
 
 def test_flat_directions_of_a_found_design_are_settled_by_least_stored_energy(small, monkeypatch):
@@ -449,6 +469,9 @@ def test_the_report_shows_the_front_what_lost_and_where_to_attach(small):
     assert "Alternatives considered" in html
     assert all(one.reason.split()[0] in html for one in front.alternatives)
     assert "as good" in html or "refined as the winner was" in html
+    for words in ("to mount", "s1 breaks", "5 to 95 % of specimens", "stay below", "clashes", "limited by"):
+        assert words in html
+    assert max(front.highs) > max(front.values)
     assert "http" not in html.replace("http://www.w3.org", "")
 
 

@@ -9,10 +9,11 @@ from scipy.optimize import minimize
 import equipoise as eq
 from equipoise.discovery.ground import Ground
 from equipoise.interference import closest, shell
-from equipoise.interference.axes import passed
+from equipoise.interference.axes import passed, ways
 from equipoise.interference.capsules import fit
 from equipoise.interference.findings import clashes
 from equipoise.interference.meshes import corners
+from equipoise.limits import Setting
 from equipoise.limits.avoid import rooms
 
 
@@ -141,3 +142,35 @@ def test_a_discovery_that_avoids_bodies_keeps_clear():
     assert not [clash for clash in clashes(design, 0.02) if clash.depth > 1e-6]
     assert front.values[0] < 0.5 * front.before
     assert any("drawn joint to joint with radius 20 mm" in note for note in front.notes)
+
+
+def test_a_cable_keeps_clear_and_so_do_axes():
+    """The run from guide to hook counts, not the coil's own along its link; a line keeps beside a joint's axis."""
+    mechanism = arm(60.0)
+    states = mechanism.states(eq.Sweep.sobol(mechanism, 32))
+    cable = eq.Cable(
+        (eq.Point("upper", (0.4, 0.1, 0.1)), eq.Pulley("upper", (0.1, 0.1, 0.1)), eq.Point("world", (0.0, 0.1, 0.6))),
+        ratio=0.5,
+    )
+    line = eq.Line(eq.Point("upper", (0.1, 0.1, 0.1)), eq.Point("world", (0.0, 0.1, 0.6)))
+    law = eq.Coil(free_length=0.1)
+    for what in ("bodies", "axes", "both"):
+        found = []
+        for path in (cable, line):
+            spring = eq.Spring("s", path, law)
+            limit = eq.Avoid("s", radius=0.03, gap=0.02, what=what)
+            found.append(limit.rows(Setting({"s": spring}, states, lambda _: None)))
+        assert [row.limit for row in found[0]] == [row.limit for row in found[1]]
+        for one, other in zip(*found, strict=True):
+            np.testing.assert_allclose(one.h, other.h, atol=1e-12)
+        assert any("axis of upper_joint" in row.limit for row in found[0]) == (what != "bodies")
+        assert any("from fore" in row.limit for row in found[0]) == (what != "axes")
+    # Square to the axis along y, the line from (0.1, 0.1) of the link at rest to (0, 0.6): its way past the hinge.
+    rest = mechanism.states(eq.Sweep(np.zeros((1, 2)), np.ones(1), "one pose"))
+    way = ways(rest, line)["upper_joint"][0]
+    a, b = rest.point(line.a)[0][0, [0, 2]], rest.point(line.b)[0][0, [0, 2]]
+    hinge = rest.point(eq.Point("upper", (0.0, 0.0, 0.0)))[0][0, [0, 2]]
+    shares = np.linspace(0.0, 1.0, 100_001)[:, None]
+    assert way == pytest.approx(np.linalg.norm(a + shares * (b - a) - hinge, axis=1).min(), abs=1e-9)
+    with pytest.raises(eq.InputError, match="neither a straight line nor a cable"):
+        eq.Avoid("s").rows(Setting({"s": eq.Spring("s", eq.Angle("upper_joint"), eq.Torsion())}, rest, lambda _: None))

@@ -77,6 +77,7 @@ LAWS = {
     "gas_spring": eq.GasSpring(200.0, 260.0, stroke=0.5, length=0.9, friction=15.0, temperature=303.15),
     "constant_force_spring": eq.ConstantForceSpring(0.02, 2e-4, 0.0125, travel=0.5),
     "stock_spring": eq.StockSpring("S", 400.0, 0.2, limit=0.6, force=150.0, initial_tension=8.0, number=2.0),
+    "windable_spring": eq.WindableSpring(0.003, 8.0, number=2.0, width=0.05, heaviest=2.0),
 }
 TORQUES = {
     **{name: LAWS[name] for name in ("zero_free_length", "linear", "linear_preload_given", "constant")},
@@ -328,6 +329,7 @@ def test_laws_follow_their_own_numbers_exactly(posed, law):
     steps = here + 1j * STEP * np.abs(here) * np.eye(len(names))
     for goal in ("hold", "storage"):
         exact = candidates([part], names, steps)[0].effort(states, goal).at(theta).imag / STEP
+        exact = np.broadcast_to(exact, (len(names), *part.effort(states, goal).b.shape))
         for index, name in enumerate(names):
             if name == "b.law.exponent" and here[index] == 1.0:  # differences would leave 1..2
                 continue
@@ -357,6 +359,7 @@ LIMITS = {
     "length": lambda: eq.Length("b", max=0.9, min=0.1),
     "stroke": lambda: eq.Stroke("b", max=0.3),
     "avoid": lambda: eq.Avoid("b", radius=0.03, gap=0.01),
+    "avoid_axes": lambda: eq.Avoid("b", gap=0.01, what="axes"),
     "stiffness": lambda: eq.Stiffness("b", max=2000.0, min=5.0),
     "elongation": lambda: eq.Elongation("b", max=1.0, min=0.05),
     "extension": lambda: eq.Extension("b", max=0.2),
@@ -425,6 +428,7 @@ ROTORS = {
     "rotor": lambda m: eq.CounterRotor("b", bodies(m)[1], ratio=1.5),
     "planetary": lambda m: eq.CounterRotor("b", bodies(m)[1], gear_inertia=0.01, at=eq.Point(bodies(m)[0]), radius=0.1),
     "belt": lambda m: eq.CounterRotor("b", bodies(m)[1], ratio=-2.0, inertia=0.02, mass=0.3),
+    "steep": lambda m: eq.CounterRotor("b", bodies(m)[1], inertia=0.02, pressure_angle=0.4),
     "plate": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), reach=0.1, shape=eq.Plate()),
 }
 

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from equipoise.errors import InputError, LoopError
+from equipoise.kinematics import kinematics
 from equipoise.loops import close_loops, loop_report
 from equipoise.loops.constraints import equalities, residual
 from equipoise.loops.posture import Evaluator, integrate
@@ -19,7 +20,7 @@ from equipoise.mechanism import Mechanism
 from equipoise.models.four_bar import crank_range, four_bar
 from equipoise.models.parallelogram_arm import parallelogram_arm
 from equipoise.models.slider_crank import slider_crank
-from equipoise.states import kinematics
+from equipoise.sweep import Sweep
 
 BODIES = """
 <mujoco><worldbody>
@@ -384,6 +385,18 @@ def test_ball_and_free_joints_on_a_carrier():
             speed = np.zeros(model.nv)
             mujoco.mj_differentiatePos(model, speed, 2 * h, back[row], ahead[row])
             assert speed == pytest.approx(D[row, :, joint], rel=1e-6, abs=1e-7)
+
+
+def test_relays_of_a_motion_with_ball_and_free_joints():
+    """1,000 instants closed by relays are those closed one by one, quaternions of length one included."""
+    arm = loaded(SPATIAL, ("yaw", "crank"))
+    drivers = {"yaw": "2*sin(2*pi*t/T)", "crank": "-0.3 + 0.3*cos(2*pi*t/T)"}
+    many = Sweep.motion(arm, drivers, duration=1.0, samples=1000)
+    some = np.array([3, 444, 700, 999])
+    together, alone = arm.states(many), arm.states(many.at(many.coordinates[some]))
+    assert loop_report(arm, together.kin.q)[0].max() < 1e-13
+    assert together.kin.q[some] == pytest.approx(alone.kin.q, abs=1e-12)
+    assert together.moving.acceleration[some] == pytest.approx(alone.moving.acceleration, rel=1e-9, abs=1e-9)
 
 
 COUPLED = """

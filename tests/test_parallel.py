@@ -7,8 +7,8 @@ import pytest
 
 import equipoise as eq
 from equipoise.assemble import effort
+from equipoise.kinematics import kinematics
 from equipoise.loops import close_loops
-from equipoise.states import kinematics
 
 RNG = np.random.default_rng(3)
 

@@ -16,9 +16,11 @@ from equipoise.parameters import write
 from equipoise.parts.ranking import Ledger, Line
 from equipoise.picking import picked
 from equipoise.problem import load_problem
-from equipoise.solve.small import boxed, quadratic
+from equipoise.solve.small import boxed, elastic
 from equipoise.solving import shaped
 from equipoise.thinning import thin
+from equipoise.verbs.workers import shared
+from survey_by_scipy import Arm, one_by_one
 
 STOCK = Path(__file__).parents[1] / "examples" / "stock_springs.csv"
 BOUNDS = {
@@ -57,18 +59,41 @@ def test_small_programs_are_solved_as_one_by_one():
     root = rng.normal(size=(8, 3, 3))
     H, q = root @ np.swapaxes(root, 1, 2) + 0.1 * np.eye(3), rng.normal(size=(8, 3))
     low, high = -rng.uniform(0, 1, (8, 3)), rng.uniform(0, 1, (8, 3))
-    G = np.concatenate([np.broadcast_to(np.eye(3), (8, 3, 3)), np.broadcast_to(-np.eye(3), (8, 3, 3))], axis=1)
-    h = np.concatenate([high, -low], axis=1)
-    inner = quadratic(H, q, G, h, np.zeros((8, 3)), np.full(h.shape, 0.1))
+    free, _ = elastic(H, q, np.zeros((8, 1, 3)), -np.ones((8, 1)), low, high, np.ones(8))
     corner, least = boxed(H, q, low, high)
     assert 0 < least.sum() < 8
     for k in range(8):
         found = minimize(
             lambda z, k=k: z @ H[k] @ z / 2 + q[k] @ z, np.zeros(3), bounds=list(zip(low[k], high[k], strict=True))
         )
-        assert inner[k] == pytest.approx(found.x, abs=1e-4)
+        assert free[k] == pytest.approx(found.x, abs=1e-4)
         if least[k]:
             assert corner[k] == pytest.approx(found.x, abs=1e-4)
+
+
+def test_rows_that_cannot_be_kept_are_passed_least():
+    """Elastic rows against SLSQP with one more variable; multipliers balance the slope, together no more than price."""
+    rng = np.random.default_rng(1)
+    root = rng.normal(size=(12, 3, 3))
+    H, q = root @ np.swapaxes(root, 1, 2) + 0.1 * np.eye(3), rng.normal(size=(12, 3))
+    A, e, price = rng.normal(size=(12, 4, 3)), rng.normal(size=(12, 4)), rng.uniform(0.5, 20, 12)
+    low, high = -np.ones((12, 3)), np.ones((12, 3))
+    z, dual = elastic(H, q, A, e, low, high, price)
+    assert (dual.sum(axis=1) <= price + 1e-4).all()
+    passed = []
+    for k in range(12):
+
+        def value(x, k=k):
+            return x[:3] @ H[k] @ x[:3] / 2 + q[k] @ x[:3] + price[k] * x[3]
+
+        rows = {"type": "ineq", "fun": lambda x, k=k: x[3] - A[k] @ x[:3] - e[k]}
+        found = minimize(value, np.append(np.zeros(3), 5.0), bounds=[(-1, 1)] * 3 + [(0, None)], constraints=rows)
+        assert z[k] == pytest.approx(found.x[:3], abs=2e-3)
+        passed.append(found.x[3] > 1e-6)
+        inside = (np.abs(z[k]) < 0.999).all()
+        if inside:
+            assert H[k] @ z[k] + q[k] + A[k].T @ dual[k] == pytest.approx(0, abs=1e-4)
+    assert 0 < sum(passed) < 12
 
 
 def test_few_states_integrate_like_all(arm):
@@ -93,6 +118,18 @@ def test_lines_are_what_balance_says_of_the_part(arm, sweep, ranking):
         assert design.after["arm_joint"].sample_peak == pytest.approx(line.peak, rel=1e-6)
         low, high = part.span
         assert low - 1e-6 <= design.parts()[0]["length"][0] <= design.parts()[0]["length"][1] <= high + 1e-6
+
+
+def test_no_worse_than_scipy_row_by_row(arm, ranking):
+    """SLSQP from six beginnings each, plain code that shares nothing with equipoise, on every sixth row."""
+    plain = Arm(poses=121)
+    cat = ranking.catalogue
+    rows = np.arange(2, len(cat), 6)
+    columns = (cat.rate, cat.free_length, cat.initial_tension, cat.free_length + cat.travel, cat.mass)
+    theirs = one_by_one(plain, np.stack(columns, axis=1)[rows], starts=6, seed=0)
+    lines = {line.part: line for line in ranking.lines if line.number == 1}
+    ours = np.array([np.inf if lines[cat.part[row]].refused else lines[cat.part[row]].rms for row in rows])
+    assert (ours <= 1.001 * theirs).all()
 
 
 def test_no_worse_than_shape(arm, sweep, ranking):
@@ -141,6 +178,22 @@ def test_a_survey_goes_on_where_it_was_stopped(arm, sweep, stock, ranking, tmp_p
         Ledger(ledger.path, "xyz", ranking.free, ranking.units).load()
 
 
+def test_processes_find_the_same(arm, sweep, stock, monkeypatch):
+    """Two processes against this one: the same lines to the last digit, though they finish in any order."""
+    monkeypatch.setattr("equipoise.verbs.survey.CHUNK", 3)
+    few, told = stock.take(np.arange(6)), []
+    alone = eq.survey_catalogue(arm, [ideal(arm)], sweep, BOUNDS, few)
+    both = eq.survey_catalogue(
+        arm, [ideal(arm)], sweep, BOUNDS, few, workers=2, progress=lambda done, count, best: told.append((done, count))
+    )
+    assert sorted(both.lines, key=str) == sorted(alone.lines, key=str)
+    assert told == [(3, 6), (6, 6)]
+
+
+def test_what_cannot_be_sent_stays_here():
+    assert list(shared(lambda piece: piece + 1, [1, 2, 3], 2)) == [2, 3, 4]
+
+
 def test_ctrl_c_keeps_what_is_done(arm, sweep, stock):
     def stop(done, count, best):
         raise KeyboardInterrupt
@@ -186,7 +239,7 @@ def test_pick_puts_the_best_part_in_place(arm, stock):
     made, choice = picked.design, picked.choices[0]
     assert isinstance(made.balancers[0].law, eq.ExtensionSpring)
     assert made.after["arm_joint"].peak < 0.2 * design.before["arm_joint"].peak
-    assert made.after["arm_joint"].peak <= 1.01 * min(value for _, value in choice.tried)
+    assert made.after["arm_joint"].peak <= 1.01 * min(one.value for one in choice.tried)
     assert choice.order == made.parts()[0]["order"]
     assert len(choice.tried) == 2
     assert choice.json()["candidates"] == 2 * len(grid.catalogue())
@@ -195,6 +248,22 @@ def test_pick_puts_the_best_part_in_place(arm, stock):
     low, high = made.balancers[0].law.span
     length = made.parts()[0]["length"]
     assert low - 1e-6 <= length[0] <= length[1] <= high + 1e-6
+
+
+def test_the_last_choice_is_by_the_band_where_it_judges(arm):
+    """Of the parts that were shaped around the one with the least 95 % value stays."""
+    over = eq.Sweep.sobol(arm, 64, ranges={"arm_joint": (-1.0, 1.2)})
+    banded = eq.Aim(norm="peak", judged="band")
+    design = eq.shape(arm, [ideal(arm)], over, BOUNDS, objective=banded, starts=2)
+    grid = eq.MakeableGrid(wire=(0.0018, 0.0032), index=(8.0, 12.0), coils=(50.0, 80.0), tension=(0.8,))
+    picked = eq.pick(design, eq.Pick(grid=grid, keep=2), scatter=eq.Scatter(anchor=4e-3))
+    tried = picked.choices[0].tried
+    assert [one.high for one in tried] == sorted(one.high for one in tried)
+    assert tried[0].line is picked.choices[0].line
+    again = eq.tolerance(picked.design, eq.Scatter(anchor=4e-3))
+    assert tried[0].high == pytest.approx(again.band.high, rel=1e-9)
+    assert all(one.high > one.value for one in tried)
+    assert f"(95 %: {tried[0].high:.4g})" in str(picked)
 
 
 def test_pick_without_a_fitting_part_counts_the_reasons(arm, sweep, tmp_path):
@@ -244,6 +313,8 @@ def test_design_picks_where_the_file_asks(problem, tmp_path, capsys):
     assert found["parts"][0]["order"] in page
     assert "What to order" in page
     assert "s1 breaks" in page
+    assert "Candidates tried" in page
+    assert "taken</td>" in page
     assert main(["verify", str(tmp_path / "out" / "design.json")]) == 0
 
 

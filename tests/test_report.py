@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import equipoise as eq
-from equipoise.design import Active
-from equipoise.reporting import numbers, phrases, words
+from equipoise.certificate import Active
+from equipoise.reporting import limitwords, numbers, phrases, words
 from equipoise.reporting.html import page
 from equipoise.reporting.jsonfile import strict
 from equipoise.reporting.maps import draw_map
@@ -86,9 +86,11 @@ def test_summary_states_prices_in_words(planar):
     assert "more would lower the rms by" in text
     assert "not yet" in text
     active = Active("stroke of s1 <= 0.38 m", 40.0, "N m per m")
-    assert phrases.price_words(active, planar) == "stroke of s1 <= 380 mm: 10 mm more would lower the rms by 0.40 N m"
+    assert (
+        limitwords.price_words(active, planar) == "stroke of s1 <= 380 mm: 10 mm more would lower the rms by 0.40 N m"
+    )
     natural = Active("s1.k >= 0", 1e-3, "N m per N/m")
-    assert phrases.price_words(natural, planar) == "s1.k >= 0, the bound that nature sets"
+    assert limitwords.price_words(natural, planar) == "s1.k >= 0, the bound that nature sets"
 
 
 def test_table_columns_align(planar):

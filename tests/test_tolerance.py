@@ -158,3 +158,42 @@ def test_what_cannot_be_followed_is_said():
     design = eq.balance(mechanism, [eq.Spring("s", parts()[0].path, eq.ZeroFreeLength())], sweep(mechanism))
     with pytest.raises(eq.InputError, match="0 samples"):
         eq.tolerance(design, samples=0)
+
+
+def judged(norm: str, **more) -> eq.Aim:
+    return eq.Aim(norm=norm, judged="band", **more)
+
+
+def test_a_target_is_measured_by_the_band_where_asked(tmp_path, capsys, monkeypatch):
+    """An exact spring meets 0.3 N m as drawn, and not when its rate is 10 % off: 1.96 x 5 % of 9.81 N m."""
+    monkeypatch.chdir(tmp_path)
+    text = (
+        "mechanism: {chain: {links: [{name: arm, length: 0.5, mass: 2, com: 0.5}]}}\n"
+        "sweep: {grid: {arm_joint: [-90 deg, 90 deg, 19]}}\n"
+        "balancers:\n"
+        "  - spring: {name: s, path: {line: [[world, 0, 0, 0.2], [arm, 0.1, 0, 0]]}, law: zero_free_length}\n"
+        "tolerances: {rate: 10 %, tilt: 0, temperature: 0, mass: 0, anchor: 0, rest_length: 0}\n"
+        "objective: {norm: peak, target: 0.3 N m}\n"
+    )
+    (tmp_path / "p.yaml").write_text(text)
+    assert main(["balance", "p.yaml"]) == 0
+    (tmp_path / "b.yaml").write_text(text.replace("0.3 N m", "0.3 N m, judged: band"))
+    for verb in ("balance", "design", "verify"):
+        assert main([verb, "b.yaml", *(["--out", "out"] if verb != "verify" else ["--poses", "50"])]) == 1
+        assert "the 95 % value of the peak is 0.96" in capsys.readouterr().err
+    assert main(["verify", "out/design.json", "--poses", "50"]) == 1
+    (tmp_path / "b.yaml").write_text(text.replace("0.3 N m", "1 N m, judged: band"))
+    assert main(["balance", "b.yaml"]) == 0
+
+
+def test_only_what_has_a_band_is_judged_by_it():
+    with pytest.raises(eq.InputError, match="goal force has no tolerance band"):
+        judged("rms", goal="force")
+    with pytest.raises(eq.InputError, match="a cap has no tolerance band"):
+        judged("rms", cap=1.0)
+    with pytest.raises(eq.InputError, match="judge"):
+        eq.Aim(judged="worst")
+    mechanism = arm()
+    spring = eq.Spring("s", parts()[0].path, eq.ZeroFreeLength())
+    with pytest.raises(eq.InputError, match="first aim"):
+        eq.balance(mechanism, [spring], sweep(mechanism), objective=(eq.Aim(), judged("peak")))

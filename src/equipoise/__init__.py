@@ -15,7 +15,7 @@ _HOME = {
     "Point": "mechanism",
     "Platform": "mechanism",
     "Sweep": "sweep",
-    "Payload": "sweep",
+    "Payload": "payload",
     "States": "states",
     "Affine": "affine",
     "Block": "affine",
@@ -161,11 +161,11 @@ _HOME = {
     "point_masses": "substitution",
     "substitute": "substitution",
     "PointMasses": "substitution",
-    "Mesh": "balancers.counter_rotor",
+    "Mesh": "balancers.gearing",
     "Conditions": "verbs.conditions",
     "balance": "verbs.balance",
     "adjust": "verbs.adjust",
-    "Adjusted": "verbs.adjust",
+    "Adjusted": "verbs.adjusted",
     "Adjuster": "cases",
     "Case": "cases",
     "by_payload": "cases",
@@ -186,12 +186,14 @@ _HOME = {
     "ExtensionSpring": "parts",
     "GasSpring": "parts",
     "StockSpring": "parts",
+    "WindableSpring": "parts",
     "TorsionSpring": "parts",
     "grade": "parts",
     "grades": "parts",
     "preferred_sizes": "parts",
     "Catalogue": "parts.catalogue",
     "MakeableGrid": "parts.grid",
+    "Makeable": "parts.makeable",
     "Pick": "parts.request",
     "read_catalogue": "parts.importer",
     "pick": "verbs.pick",
@@ -289,6 +291,7 @@ __all__ = [
     "Link",
     "LoopError",
     "Machine",
+    "Makeable",
     "MakeableGrid",
     "MassCap",
     "Mechanism",
@@ -342,6 +345,7 @@ __all__ = [
     "Unknown",
     "Weight",
     "WindUp",
+    "WindableSpring",
     "Winding",
     "WireMass",
     "ZeroFreeLength",
@@ -430,9 +434,10 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     from equipoise.affine import Affine, Block, Unknown
-    from equipoise.balancers.counter_rotor import CounterRotor, Mesh
+    from equipoise.balancers.counter_rotor import CounterRotor
     from equipoise.balancers.counterweight import Counterweight
     from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
+    from equipoise.balancers.gearing import Mesh
     from equipoise.balancers.heavy import exact_rate, exact_rate_zero_free_length, iterated_rates
     from equipoise.balancers.laws import (
         BSpline,
@@ -567,6 +572,7 @@ if TYPE_CHECKING:
         GasSpring,
         StockSpring,
         TorsionSpring,
+        WindableSpring,
         grade,
         grades,
         preferred_sizes,
@@ -574,7 +580,9 @@ if TYPE_CHECKING:
     from equipoise.parts.catalogue import Catalogue
     from equipoise.parts.grid import MakeableGrid
     from equipoise.parts.importer import read_catalogue
+    from equipoise.parts.makeable import Makeable
     from equipoise.parts.request import Pick
+    from equipoise.payload import Payload
     from equipoise.placement import Placing, Zone
     from equipoise.problem import Problem, load_problem
     from equipoise.rubbing import DeadBand, dead_band
@@ -583,10 +591,11 @@ if TYPE_CHECKING:
     from equipoise.spins import spin_form
     from equipoise.states import States
     from equipoise.substitution import PointMasses, point_masses, substitute
-    from equipoise.sweep import Payload, Sweep
+    from equipoise.sweep import Sweep
     from equipoise.tilt import Tilt
     from equipoise.variation import exact_mean
-    from equipoise.verbs.adjust import Adjusted, adjust
+    from equipoise.verbs.adjust import adjust
+    from equipoise.verbs.adjusted import Adjusted
     from equipoise.verbs.analyze import analyze
     from equipoise.verbs.balance import balance
     from equipoise.verbs.certify import certify

@@ -15,13 +15,14 @@ from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.shapes import Plate, Solid
 from equipoise.balancers.spring import STORAGE, Spring
 from equipoise.errors import InputError
+from equipoise.frames import skew
 from equipoise.limits import Limit, MassCap, Setting, implied, realisable
 from equipoise.mechanism import Mechanism
 from equipoise.objective import ORIGIN, Aim, goal_blocks, joint_goal, pole_of
 from equipoise.platform import resultant
 from equipoise.regressor import free_states
 from equipoise.solve.program import Program
-from equipoise.states import States, skew
+from equipoise.states import States
 from equipoise.sweep import Sweep
 
 SUMMED = ("hold", "wrench")

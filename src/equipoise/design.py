@@ -11,20 +11,16 @@ import numpy as np
 
 from equipoise import __version__
 from equipoise.assemble import Balancer
-from equipoise.balancers.counter_rotor import CounterRotor
-from equipoise.balancers.counterweight import Counterweight
 from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
-from equipoise.balancers.shapes import Disc, PointMass
-from equipoise.balancers.spring import Spring
 from equipoise.cases import Settings
-from equipoise.floors import Floor
+from equipoise.certificate import Certificate
 from equipoise.limits import Limit
-from equipoise.mechanism import Mechanism, Point
-from equipoise.objective import Aim, pole_of
-from equipoise.parts import Part
+from equipoise.mechanism import Mechanism
+from equipoise.objective import Aim, leading, pole_of
+from equipoise.partrecords import part_records
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.sweep import Sweep
-from equipoise.swept import swept_box
 
 if TYPE_CHECKING:
     from equipoise.cables.behaviour import Behaviour
@@ -32,71 +28,9 @@ if TYPE_CHECKING:
     from equipoise.make.synthesis import Part as MadePart
     from equipoise.rubbing import DeadBand
     from equipoise.scattering import Tolerance
+    from equipoise.verbs.pick import Choice
     from equipoise.verbs.place import Placed
     from equipoise.verification.findings import Verification
-
-
-@dataclass(frozen=True)
-class Row:
-    """One joint's effort over the sweep: the polished peak, the sampled one, rms and mean, the motor's limit."""
-
-    peak: float
-    sample_peak: float
-    rms: float
-    mean: float
-    unit: str
-    limit: float | None = None
-
-    def json(self) -> dict[str, Any]:
-        """The row as design.json holds it."""
-        return {
-            "peak": self.peak,
-            "sample_peak": self.sample_peak,
-            "rms": self.rms,
-            "mean": self.mean,
-            "limit": self.limit,
-            "unit": self.unit,
-        }
-
-
-@dataclass(frozen=True)
-class Active:
-    """A limit or bound that holds the optimum: its price is the objective gained per unit of relaxing it."""
-
-    limit: str
-    price: float
-    unit: str
-
-
-@dataclass(frozen=True)
-class Certificate:
-    """How good the answer is, recomputed from the problem's data.
-
-    kind `exact` (residual at rounding level, also off the grid), `convex` (primal, dual and gap) or `local`
-    (starts, how many different optima, the spread of their values, what one more step would gain), `bracketed` where
-    dual bounds all geometry within the bounds, after so many boxes of branch and bound. quadrature is how much the
-    objective changes, relatively, on a finer rule over the same region.
-    """
-
-    kind: str
-    primal: float
-    dual: float
-    unit: str
-    violation: float
-    starts: int = 0
-    optima: int = 0
-    spread: float = 0.0
-    stationarity: float = 0.0
-    active: tuple[Active, ...] = ()
-    floors: tuple[Floor, ...] = ()
-    flat: tuple[str, ...] = ()
-    quadrature: float | None = None
-    boxes: int = 0
-
-    @property
-    def gap(self) -> float:
-        """primal - dual."""
-        return self.primal - self.dual
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +42,7 @@ class Design:
     whose poses were found between the samples; problem is the file it came from, where there was one; settings say
     what is adjusted from case to case, where a design serves several; places are where springs were put among equals;
     cables says how a cable platform behaves with its springs, made are the cams and drums cut for them; tolerance says
-    how it scatters when parts are as they come, dead_band what friction covers.
+    how it scatters when parts are as they come, dead_band what friction covers, choices which parts were picked.
     """
 
     mechanism: Mechanism
@@ -134,11 +68,12 @@ class Design:
     places: Mapping[str, Placed] = field(default_factory=dict)
     tolerance: Tolerance | None = None
     dead_band: DeadBand | None = None
+    choices: tuple[Choice, ...] = ()
 
     @property
     def norm(self) -> str:
         """The norm that was made small."""
-        return next(aim.norm for aim in self.objective if aim.cap is None)
+        return leading(self.objective).norm
 
     def residual(self, states: States, goal: str = "hold") -> np.ndarray:
         """A goal's residual (N, R) with the balancers, at any states; of `hold` (N, nd)."""
@@ -178,9 +113,19 @@ class Design:
 
         return norm(self.after) / (norm(self.before) if aim.divisor == "before" else 1.0)
 
+    @property
+    def judged(self) -> float:
+        """What choices and the target look at: the first aim's value, or the 95 % value of its band where asked for.
+
+        The band counts once it is known (`tolerance`).
+        """
+        aim = leading(self.objective)
+        found = self.tolerance if aim.judged == "band" else None
+        return self.reached(aim) if found is None else found.band.high
+
     def parts(self) -> list[dict[str, Any]]:
         """One entry per part: what it is, where it goes, and what it does over the sweep, SI units."""
-        return [_PARTS[type(balancer)](self, balancer) for balancer in self.balancers]
+        return part_records(self)
 
     def flywheel_law(self, wheel: Flywheel) -> FlywheelLaw | None:
         """How a flywheel must turn over the motion; None without a motion in time."""
@@ -226,14 +171,15 @@ class Design:
     def missed(self) -> str:
         """Why `objective.target` is missed, or nothing."""
         for aim in self.objective:
-            if aim.target is not None and self.reached(aim) > aim.target:
-                unit = aim.unit(self.mechanism)
-                return f"the {aim.norm} is {self.reached(aim):.4g} {unit}, the target {aim.target:.4g} {unit}"
+            banded = aim.judged == "band" and self.tolerance is not None
+            value = self.judged if banded else self.reached(aim)
+            if aim.target is not None and value > aim.target:
+                unit, what = aim.unit(self.mechanism), f"95 % value of the {aim.norm}" if banded else aim.norm
+                return f"the {what} is {value:.4g} {unit}, the target {aim.target:.4g} {unit}"
         return ""
 
     def json(self) -> dict[str, Any]:
         """The design as design.json holds it."""
-        certificate = self.certificate
         return {
             "equipoise": __version__,
             "problem": self.problem,
@@ -249,23 +195,7 @@ class Design:
             "machine": dict(zip(("before", "after"), (one.json() for one in self.machine), strict=True))
             if self.machine
             else None,
-            "certificate": {
-                "kind": certificate.kind,
-                "primal": certificate.primal,
-                "dual": certificate.dual,
-                "gap": certificate.gap,
-                "unit": certificate.unit,
-                "violation": certificate.violation,
-                "starts": certificate.starts,
-                "optima": certificate.optima,
-                "spread": certificate.spread,
-                "stationarity": certificate.stationarity,
-                "active": [vars(active) for active in certificate.active],
-                "floors": [vars(floor) for floor in certificate.floors],
-                "flat": certificate.flat,
-                "quadrature": certificate.quadrature,
-                "boxes": certificate.boxes,
-            },
+            "certificate": self.certificate.json(),
             "verification": self.verification.json() if self.verification else None,
             "parts": self.parts(),
             "cables": None if self.cables is None else self.cables.json(),
@@ -274,6 +204,7 @@ class Design:
             "settings": self.settings.json() if self.settings else None,
             "tolerance": self.tolerance.json() if self.tolerance else None,
             "dead_band": self.dead_band.json() if self.dead_band else None,
+            "choices": [choice.json() for choice in self.choices],
             "cite": self.cite(),
         }
 
@@ -299,102 +230,3 @@ def _sources(item: Any) -> list[str]:
         return []
     inner = [key for part in fields(item) for key in _sources(getattr(item, part.name))]
     return [*getattr(type(item), "sources", ()), *inner]
-
-
-def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
-    length, force = spring.force(design.states, design.values)
-    model = design.mechanism.model
-    places = [place for place, _ in spring.path.ends()]
-    ends = [place if isinstance(place, Point) else place.seat(model, spring.name) for place in places]
-    storage = spring.effort(design.states, "storage")
-    energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
-    stored = spring.stored(design.values, design.states)
-    parameters = spring.parameters(design.values)
-    units = spring.law.parameter_units(spring.path.unit)
-    return {
-        "name": spring.name,
-        "kind": "spring",
-        "law": type(spring.law).__name__,
-        "path": type(spring.path).__name__,
-        "unit": spring.path.unit,
-        "parameters": parameters,
-        "units": {name: units[name] for name in parameters},
-        "details": {
-            words: {"value": value, "unit": unit}
-            for words, (value, unit) in spring.law.details(spring.own(design.values), length).items()
-        },
-        "stored": {"exact": stored.exact, "error": stored.error},
-        "ends": [{"body": end.body, "at": [float(v) for v in end.at]} for end in ends],
-        "length": [float(length.min()), float(length.max())],
-        "stroke": float(length.max() - length.min()),
-        "room": swept_box(spring.path, design.states).tolist(),
-        "force": [float(force.min()), float(force.max())],
-        "energy": [float(energy.min()), float(energy.max())],
-        "mass": float(spring.own_mass),
-        **(spring.law.record(length) if isinstance(spring.law, Part) else {}),
-    }
-
-
-def _weight_part(design: Design, weight: Any) -> dict[str, Any]:
-    mass, where = weight.place(design.values)
-    part = {
-        "name": weight.name,
-        "kind": "counterweight",
-        "mass": mass,
-        "ends": [{"body": weight.at.body, "at": [float(v) for v in where]}],
-    }
-    if not isinstance(weight.shape, PointMass):
-        part["inertia"] = weight.inertia(design.values).tolist()
-    if isinstance(weight.shape, Disc) and weight.shape.density is not None:
-        part["thickness"] = weight.shape.thickness_of(mass)
-    return part
-
-
-def _rotor_part(design: Design, rotor: Any) -> dict[str, Any]:
-    part = {
-        "name": rotor.name,
-        "kind": "counter_rotor",
-        "body": rotor.body,
-        "ratio": float(rotor.ratio),
-        "inertia": rotor.found(design.values),
-        "mass": rotor.own_mass(design.values),
-        "ends": [{"body": rotor.at.body, "at": [float(v) for v in rotor.at.at]}],
-    }
-    if design.states.rates is not None:
-        meshes = rotor.meshes(design.states, design.values)
-        own = meshes[0]
-        part["mesh_torque"] = [float(own.torque.min()), float(own.torque.max())]
-        if design.sweep.instants is not None:
-            part["torque_reversals"] = own.reversals
-        part["preload"] = own.preload
-        part["meshes"] = [
-            {"name": mesh.name, "torque": float(np.abs(mesh.torque).max()), "preload": mesh.preload}
-            | ({"reversals": mesh.reversals} if design.sweep.instants is not None else {})
-            for mesh in meshes
-        ]
-    return part
-
-
-def _flywheel_part(design: Design, wheel: Any) -> dict[str, Any]:
-    part: dict[str, Any] = {"name": wheel.name, "kind": "flywheel", "axis": wheel.normal.tolist(), "mass": wheel.mass}
-    part["ends"] = [{"body": "world", "at": [0.0, 0.0, 0.0]}]
-    law = design.flywheel_law(wheel)
-    if law is None:
-        return part | {"inertia": wheel.inertia}
-    return part | {
-        "inertia": law.inertia,
-        "needs": dict(law.needs),
-        "torque": float(np.abs(law.torque).max()),
-        "speed": float(np.abs(law.speed).max()),
-        "power": float(np.abs(law.power).max()),
-        "angle": float(law.angle[-1]),
-        "form": dict(law.form),
-    }
-
-
-_PARTS = {
-    Spring: _spring_part,
-    Counterweight: _weight_part,
-    CounterRotor: _rotor_part,
-    Flywheel: _flywheel_part,
-}

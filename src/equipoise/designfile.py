@@ -13,7 +13,8 @@ import numpy as np
 
 from equipoise.affine import merge_unknowns
 from equipoise.assemble import Balancer, account
-from equipoise.design import Active, Certificate, Design
+from equipoise.certificate import Active, Certificate
+from equipoise.design import Design
 from equipoise.errors import ProblemError
 from equipoise.floors import Floor
 from equipoise.mechanism import Mechanism

@@ -17,14 +17,13 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Array, Block
-from equipoise.states import Placement, States
+from equipoise.frames import Placement, columns_crossed, cross_parts, parts_of
+from equipoise.loops.posture import cross
+from equipoise.states import States
 
 FORCE, MOMENT = Block("force", "N", 3), Block("moment", "N m", 3)
 MASS = Block("mass", "kg")
 _wrenches: weakref.WeakKeyDictionary[States, Array] = weakref.WeakKeyDictionary()
-_LEVI = np.zeros((3, 3, 3))
-_LEVI[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = 1.0
-_LEVI[[0, 2, 1], [2, 1, 0], [1, 0, 2]] = -1.0
 
 
 def pseudo_inertia(mass: float, com: Sequence[float] | Array, inertia: Array) -> Array:
@@ -58,35 +57,36 @@ def momentum(place: Placement, J: Array) -> Array:
 
 
 def _first_moments(frame: Array, rate: Array, J: Array) -> Array:
-    carried = np.einsum("...pab,nib->...npai", J, rate)  # J Xddot'
-    linear = np.swapaxes(carried[..., 3, :], -1, -2)
-    product = np.einsum("nja,...npak->...npjk", frame, carried)
-    return np.concatenate([linear, np.einsum("ijk,...npjk->...nip", _LEVI, product)], axis=-2)
+    carried = rate[:, None] @ J[..., None, :, :, :]  # Xddot J
+    angular = columns_crossed(frame[:, None], carried).sum(axis=-1)
+    return np.swapaxes(np.concatenate([carried[..., 3], angular], axis=-1), -1, -2)
 
 
-def inertial_effort(place: Placement, J: Array) -> Array:
-    """Effort (N, nd, P) of the driven joints that gives bodies of J (P, 4, 4) their motion, weight left out."""
-    carried = np.einsum("...pab,nib->...npai", J, place.bend)
-    return np.einsum("njia,...npai->...njp", place.slope, carried)
+def inertial_effort(states: States, body: str, J: Array) -> Array:
+    """Effort (N, nd, P) of the driven joints that gives bodies of J (P, 4, 4) their motion, weight left out.
+
+    J stands in the frame of `body`, which carries them.
+    """
+    return states.worked(body, wrench(states.placement(body), J))
+
+
+def body_wrenches(states: States) -> Array:
+    """Rate of linear and angular momentum (N, nbody, 6) of each body, payloads included, about the world origin."""
+    if states not in _wrenches:  # force, moment, drive and bearings ask for it one after the other
+        mechanism, model, frames = states.mechanism, states.mechanism.model, states.frames
+        inertias = np.array([body_inertia(model, body) for body in range(model.nbody)])
+        carried = np.einsum("iabn,bak->ikbn", parts_of(frames.bend), inertias)
+        angular = cross_parts(parts_of(frames.frame), carried).sum(axis=1)
+        found = np.concatenate([carried[:, 3], angular]).T
+        for point, mass in zip(states.payload_points, states.payload_mass.T, strict=True):
+            found[:, mechanism.body_id(point.body)] += states.point_wrench(point, mass)
+        _wrenches[states] = found
+    return _wrenches[states]
 
 
 def bare_wrench(states: States) -> Array:
     """Rate of linear and angular momentum (N, 6) of the mechanism and its payload about the world origin."""
-    if states not in _wrenches:  # force and moment are asked for one after the other
-        _wrenches[states] = _bare_wrench(states)
-    return _wrenches[states]
-
-
-def _bare_wrench(states: States) -> Array:
-    model = states.mechanism.model
-    total = np.zeros((len(states), 6))
-    for body in range(1, model.nbody):
-        if states.carried(body):
-            place = states.placement(model.body(body).name)
-            total += wrench(place, body_inertia(model, body)[None])[..., 0]
-    for point, mass in zip(states.payload_points, states.payload_mass.T, strict=True):
-        total += states.point_wrench(point, mass)
-    return total
+    return body_wrenches(states).sum(axis=1)
 
 
 def bare_drive(states: States) -> tuple[Array, Array]:
@@ -96,12 +96,23 @@ def bare_drive(states: States) -> tuple[Array, Array]:
     rotor inertias (armature) of the file included.
     """
     model, moving = states.mechanism.model, states.moving
-    rotors = moving.acceleration * model.dof_armature
-    inertial = (rotors[:, None, :] @ states.D)[:, 0]
-    for body in range(1, model.nbody):
-        if states.carried(body):
-            place = states.placement(model.body(body).name)
-            inertial = inertial + inertial_effort(place, body_inertia(model, body)[None])[..., 0]
-    for point, mass in zip(states.payload_points, states.payload_mass.T, strict=True):
-        inertial = inertial + states.point_inertia(point, mass)
+    joints = joint_loads(states, beyond_sums(model, body_wrenches(states)))
+    joints += moving.acceleration * model.dof_armature
+    inertial = (joints[:, None, :] @ states.D)[:, 0]
     return inertial, states.holding - (moving.damper[:, None, :] @ states.D)[:, 0]
+
+
+def beyond_sums(model: mujoco.MjModel, wrenches: Array) -> Array:
+    """For each body the sum (N, nbody, 6) of the wrenches (N, nbody, 6) of all that it carries, itself included."""
+    total = wrenches.copy()
+    for body in range(model.nbody - 1, 0, -1):  # parents come first
+        total[:, model.body_parentid[body]] += total[:, body]
+    return total
+
+
+def joint_loads(states: States, beyond: Array) -> Array:
+    """The part (N, nv) along each joint's axis of the wrench (N, nbody, 6) that moves all beyond it."""
+    kin, bodies = states.kin, states.mechanism.model.dof_bodyid
+    force = beyond[:, bodies, :3]
+    moment = beyond[:, bodies, 3:] - cross(kin.com[:, bodies], force)
+    return (kin.cdof[..., :3] * moment).sum(axis=2) + (kin.cdof[..., 3:] * force).sum(axis=2)

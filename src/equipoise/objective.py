@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ from equipoise.units import Effort, Length, Number
 ORIGIN = (0.0, 0.0, 0.0)
 GOALS = ("hold", "drive", "force", "moment", "mass", "wrench")
 JOINT_GOALS = ("hold", "drive")
+JUDGED = ("nominal", "band")
+Judged = Literal["nominal", "band"]
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,8 @@ class Aim:
     that is added; `wrench`: the resultant on a platform. norm rms, peak or mean over the weighted states; joints
     that count (default all); divisor `motor` divides each joint by its motor limit, `before` everything by the
     same norm without balancers; a cap, in the goal's unit, keeps the norm below a value instead of making it
-    small; target is the value that the finished design must reach.
+    small; target is the value that the finished design must reach. judged says by which value designs are chosen among
+    others and measured against the target: `nominal`, or `band`, the 95 % value under the `tolerances`.
     """
 
     goal: str = "hold"
@@ -41,6 +45,7 @@ class Aim:
     divisor: str | None = None
     target: Effort | None = None
     pole: tuple[Length, Length, Length] = ORIGIN
+    judged: Judged = "nominal"
 
     def __post_init__(self) -> None:
         if self.goal not in GOALS:
@@ -53,6 +58,14 @@ class Aim:
         for what, given in (("joints", self.joints), ("divisor", self.divisor == "motor")):
             if self.goal not in JOINT_GOALS and given:
                 raise InputError(f"goal {self.goal} has no {what}", where=f"objective.{what}", hint="leave it out")
+        if self.judged not in JUDGED:
+            raise InputError(
+                f"{self.judged!r} is no value to judge by", where="objective.judged", hint="nominal or band"
+            )
+        if self.judged == "band" and (self.cap is not None or self.goal not in JOINT_GOALS):
+            what = "a cap" if self.cap is not None else f"the goal {self.goal}"
+            hint = "errors are followed where hold or drive is made small"
+            raise InputError(f"{what} has no tolerance band", where="objective.judged", hint=hint)
         if self.goal != "moment" and tuple(self.pole) != ORIGIN:
             raise InputError(f"{self.goal} has no pole", where="objective", hint="a pole belongs to goal: moment")
         for what, value in (("weight", self.weight), ("cap", self.cap), ("target", self.target)):
@@ -145,9 +158,23 @@ def as_objective(norm: Norm | None, objective: Aim | Sequence[Aim] | None) -> tu
     aims = (objective,) if isinstance(objective, Aim) else tuple(objective)
     if not any(aim.cap is None for aim in aims):
         raise InputError("the objective has only caps", where="objective", hint="one aim must be without a cap")
+    made_small = [aim for aim in aims if aim.cap is None]
+    if any(aim.judged == "band" for aim in made_small[1:]):
+        hint = "say `judged: band` in the first aim that is not a cap"
+        raise InputError("the tolerance band is that of the first aim", where="objective.judged", hint=hint)
     if {"hold", "drive"} <= {aim.goal for aim in aims}:
         raise InputError("hold is a part of drive: only one of them can count", where="objective", hint="keep drive")
     return aims
+
+
+def minimised(objective: Sequence[Aim]) -> Sequence[Aim]:
+    """The aims that are made small: those without a cap."""
+    return tuple(aim for aim in objective if aim.cap is None)
+
+
+def leading(objective: Sequence[Aim]) -> Aim:
+    """The first aim that is made small: its norm and unit speak for the objective."""
+    return minimised(objective)[0]
 
 
 def joint_goal(objective: Sequence[Aim], moving: bool) -> str:

@@ -54,7 +54,7 @@ def candidates(balancers: Sequence[Item], names: Sequence[str], gamma: Any) -> t
     return write(balancers, {name: np.asarray(gamma)[:, [index]] for index, name in enumerate(names)})
 
 
-def unit_of(balancers: Sequence[Item], name: str) -> str:
+def unit_of(balancers: Sequence[Any], name: str) -> str:
     """SI unit of a parameter, from the type of the field that holds it."""
     (balancer, *_), keys = _start(balancers, name)
     parent = _walk(balancer, keys[:-1], name)
@@ -63,7 +63,7 @@ def unit_of(balancers: Sequence[Item], name: str) -> str:
     return along_path(unit_marks(type(parent)).get(keys[-1], ""), getattr(getattr(balancer, "path", None), "unit", "m"))
 
 
-def geometry(balancer: Item) -> tuple[tuple[str, str], ...]:
+def geometry(balancer: Any) -> tuple[tuple[str, str], ...]:
     """Names of all numbers that say where a balancer acts, with their SI units: of its path, or its place."""
     if hasattr(balancer, "path"):
         return tuple(_numbers(balancer.path, f"{balancer.name}.path", balancer.path.unit))

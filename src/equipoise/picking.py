@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from equipoise.console import Interrupts, progress_bar, say
 from equipoise.errors import InputError
+from equipoise.objective import leading
 from equipoise.parts.ranking import Ledger, Ranking, cells, header
 from equipoise.parts.request import Pick
 from equipoise.problem import Problem, problem_of
@@ -58,10 +59,10 @@ def picked(problem: Problem, design: Design, request: Pick, seed: int | None) ->
     from equipoise.parts.record import with_parts
     from equipoise.verbs.pick import pick
 
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts(), progress_bar("pick", "candidates", unit) as progress:
         show = None if progress is None else lambda _, done, count, best: progress(done, count, best)
-        found = pick(design, request, seed=seed or 0, progress=show)
+        found = pick(design, request, scatter=problem.content.tolerances, seed=seed or 0, progress=show)
     names = {choice.spring for choice in found.choices}
     laws = {balancer.name: getattr(balancer, "law", None) for balancer in found.design.balancers}
     parts = {name: law for name, law in laws.items() if name in names and isinstance(law, Part)}
@@ -111,7 +112,7 @@ def surveyed(problem: Problem, request: Pick, spring: str | None, out: Path, see
     done = ledger.load()
     if done:
         say(f"{len(done)} candidates were finished before; going on from there")
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("survey", "candidates", unit) as progress:
         found = survey_catalogue(
             problem.mechanism,

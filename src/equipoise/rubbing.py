@@ -13,6 +13,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.friction import Friction
+from equipoise.objective import leading
 from equipoise.states import States
 
 POSES = 500
@@ -71,7 +72,7 @@ def drags(spring: Spring, states: States, values: Mapping[str, float], friction:
 
 def held(design: Design) -> bool:
     """Whether a dead band says anything: the objective is what holds the joints at rest."""
-    return next(aim for aim in design.objective if aim.cap is None).goal == "hold"
+    return leading(design.objective).goal == "hold"
 
 
 def dead_band(design: Design, friction: Friction | None = None) -> DeadBand:

@@ -9,6 +9,7 @@ from equipoise.console import Interrupts, progress_bar, say
 from equipoise.design import Design
 from equipoise.errors import InputError
 from equipoise.make.synthesis import Part
+from equipoise.objective import leading
 from equipoise.problem import Problem
 from equipoise.targets import Target, needs_problem, target_of
 from equipoise.verbs import balance as verbs_balance
@@ -16,7 +17,7 @@ from equipoise.verbs import shape as verbs_shape
 
 if TYPE_CHECKING:
     from equipoise.discovery.front import Discovery
-    from equipoise.verbs.adjust import Adjusted
+    from equipoise.verbs.adjusted import Adjusted
 
 
 def solvable_problem(file: str, verb: str) -> Problem:
@@ -86,7 +87,7 @@ def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adju
     from equipoise.verbs.adjust import adjust
 
     search = problem.search
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("adjust", "starts", unit) as progress:
         found = adjust(
             problem.cases,
@@ -121,18 +122,20 @@ def bracketed(design: Design, problem: Problem) -> tuple[Design, bool]:
     return found, interrupts.hit
 
 
-def discovery(file: str, payload: str | None, at: str | None, springs: int | None, kinds: str | None) -> Problem:
+def discovery(
+    file: str, payload: str | None, at: str | None, springs: int | None, kinds: str | None, make: str | None
+) -> Problem:
     """The problem that a discovery works on: a file's own `discover` block, or a robot's, changed by what was said."""
     from equipoise.discovery.ask import asked
 
-    return asked(_target(file), payload, at, springs, kinds)
+    return asked(_target(file), payload, at, springs, kinds, make)
 
 
 def discovered(problem: Problem) -> tuple[Discovery, bool]:
     """The front of a problem, with progress on stderr; whether Ctrl-C cut the search short."""
     from equipoise.verbs.discover import discover
 
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("discover", "numbers of parts", unit) as progress:
 
         def tell(done: int, most: int, value: float) -> None:
@@ -147,6 +150,7 @@ def discovered(problem: Problem) -> tuple[Discovery, bool]:
             problem.content.discover,
             objective=problem.objective,
             limits=problem.limits,
+            scatter=problem.content.tolerances,
             progress=tell,
         )
     if interrupts.hit:
@@ -202,10 +206,16 @@ def judged(design: Design, problem: Problem) -> Design:
     return replace(design, dead_band=dead_band(design, problem.content.friction)) if held(design) else design
 
 
+def banded(design: Design, problem: Problem) -> Design:
+    """The design with its tolerance band where the objective is judged by it; else unchanged."""
+    asked = any(aim.judged == "band" for aim in problem.objective)
+    return judged(design, problem) if asked and design.tolerance is None else design
+
+
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:
     """Geometry and unknowns, with progress on stderr; whether Ctrl-C cut the search short."""
     search = problem.search
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("shape", "starts", unit) as progress:
         found = verbs_shape.shape(
             problem.mechanism,

@@ -10,9 +10,10 @@ from equipoise.affine import Array
 from equipoise.assemble import Balancer, effort, settled
 from equipoise.balancers.counter_rotor import turning
 from equipoise.balancers.flywheel import Flywheel
+from equipoise.kinematics import in_motion
 from equipoise.mechanism import Mechanism
 from equipoise.regressor import frame, free_states
-from equipoise.states import States, kinematics, rates
+from equipoise.states import States
 from equipoise.sweep import Sweep
 
 EXACT = 1e-9
@@ -29,18 +30,10 @@ def momentum_forms(
     D = np.broadcast_to(transmission, (count, *transmission.shape[1:]))
     D = np.repeat(D, drives, axis=0)
     v = np.tile(np.eye(drives), (count, 1))
-    moving = rates(mechanism, many, D, (v, np.zeros_like(v)))
+    kin, moving = in_motion(mechanism, many, D, (v, np.zeros_like(v)))
     none = np.zeros((count * drives, 0))
-    states = States(
-        mechanism,
-        np.repeat(driven, drives, axis=0),
-        np.ones(len(many)),
-        (),
-        none,
-        kinematics(mechanism, many),
-        D,
-        moving,
-    ).momenta
+    repeated = np.repeat(driven, drives, axis=0)
+    states = States(mechanism, repeated, np.ones(len(many)), (), none, kin, D, moving).momenta
     fixed = [b for b in settled(balancers, values) if not isinstance(b, Flywheel)]
 
     def of(goal: str) -> Array:

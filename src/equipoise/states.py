@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -10,7 +10,9 @@ import numpy as np
 
 from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
-from equipoise.loops import accelerations, ancestors, close_beside, close_loops, close_motion, tighten_loops
+from equipoise.frames import Placement, columns_crossed, placements
+from equipoise.kinematics import Kinematics, Rates, in_motion, kinematics
+from equipoise.loops import ancestors, close_beside, close_loops, close_motion, tighten_loops
 from equipoise.loops.posture import integrate
 from equipoise.mechanism import Mechanism, Point
 
@@ -36,84 +38,6 @@ class Spot(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Kinematics:
-    """What MuJoCo says of postures q (N, nq): every array has N rows.
-
-    xpos (N, nbody, 3), xmat (N, nbody, 3, 3), com (N, nbody, 3) the centre of the tree that cdof refers to,
-    cdof (N, nv, 6) angular then linear, bias and spring (N, nv), energy (N,).
-    """
-
-    q: Array
-    xpos: Array
-    xmat: Array
-    com: Array
-    cdof: Array
-    bias: Array
-    spring: Array
-    energy: Array
-
-
-def kinematics(mechanism: Mechanism, q: Array) -> Kinematics:
-    """Forward kinematics, gravity and file springs of all postures on all cores."""
-    names = ("xpos", "xmat", "subtree_com", "cdof", "qfrc_bias", "qfrc_spring", "energy")
-    xpos, xmat, com, cdof, bias, spring, energy = mechanism.forward(q, None, names)
-    return Kinematics(
-        q=q,
-        xpos=xpos,
-        xmat=xmat.reshape(len(q), -1, 3, 3),
-        com=com[:, mechanism.model.body_rootid],
-        cdof=cdof.reshape(len(q), -1, 6),
-        bias=bias,
-        spring=spring,
-        energy=energy[:, 0],
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class Rates:
-    """How the postures move: velocity and acceleration of the driven joints (N, nd) and of all dofs (N, nv).
-
-    cdof_dot (N, nv, 6) are the rates of the motion axes, damper (N, nv) the file's own damping forces.
-    """
-
-    driven_velocity: Array
-    driven_acceleration: Array
-    velocity: Array
-    acceleration: Array
-    cdof_dot: Array
-    damper: Array
-
-    def take(self, rows: slice | Indices) -> Rates:
-        """Some of the rows."""
-        return Rates(*(getattr(self, field.name)[rows] for field in fields(Rates)))
-
-
-def rates(mechanism: Mechanism, q: Array, transmission: Array, driven: tuple[Array, Array]) -> Rates:
-    """Exact velocities D v and accelerations D a + Ddot v of all dofs, for driven (v, a) (N, nd) each."""
-    v, a = driven
-    velocity, start = ((transmission @ x[..., None])[..., 0] for x in (v, a))
-    cdof_dot, damper = mechanism.forward(q, velocity, ("cdof_dot", "qfrc_damper"))
-    cdof_dot = cdof_dot.reshape(len(q), -1, 6)
-    acceleration = accelerations(mechanism, q, velocity, cdof_dot, start)
-    return Rates(v, a, velocity, acceleration, cdof_dot, damper)
-
-
-@dataclass(frozen=True, eq=False)
-class Placement:
-    """A body's frame X (N, 3, 4) = [R | o] with its first two time derivatives: a point x = (r, 1) is at X x.
-
-    slope (N, nd, 3, 4) is dX/dq_driven; spin and push (N, 3) are angular velocity and acceleration.
-    """
-
-    frame: Array
-    speed: Array
-    bend: Array
-    slope: Array
-    spin: Array
-    push: Array
-
-
-@dataclass(frozen=True, eq=False)
 class States:
     """The states x of a sweep: N rows of posture, weight and payload with their kinematics.
 
@@ -130,7 +54,7 @@ class States:
     D: Array
     rates: Rates | None = None
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
-    _placements: dict[int, Placement] = field(default_factory=dict, repr=False)
+    _frames: list[Placement] = field(default_factory=list, repr=False)
     _points: dict[int, tuple[Point, tuple[Array, Array]]] = field(default_factory=dict, repr=False)
     _affines: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
@@ -139,18 +63,18 @@ class States:
         """Close the loops of a sweep's poses and compute their kinematics, one row per pose and payload."""
         driven, weight, payload_mass = sweep.rows()
         points = tuple(payload.point for payload in sweep.payloads)
-        moving = None
         if sweep.instants is None and sweep.beside is not None:
             q, transmission = close_beside(mechanism, sweep.beside, driven)
         elif sweep.instants is None:
             q, transmission = close_loops(mechanism, driven)
         else:
             time = np.tile(sweep.instants.time, len(sweep.scenarios))
-            q, transmission = close_motion(mechanism, sweep.instants.motion, time)
-        if sweep.moves is not None:
+            q, transmission = close_motion(mechanism, sweep.instants.motion, time, driven)
+        if sweep.moves is None:
+            kin, moving = kinematics(mechanism, q), None
+        else:
             _, v, a = (np.tile(part, (len(sweep.scenarios), 1)) for part in sweep.moves.rows)
-            moving = rates(mechanism, q, transmission, (v, a))
-        kin = kinematics(mechanism, q)
+            kin, moving = in_motion(mechanism, q, transmission, (v, a))
         return States(mechanism, driven, weight, points, payload_mass, kin, transmission, moving)
 
     def __len__(self) -> int:
@@ -170,16 +94,16 @@ class States:
 
     def take(self, rows: slice | Indices) -> States:
         """Some of the rows."""
-        kin = Kinematics(**{field.name: getattr(self.kin, field.name)[rows] for field in fields(Kinematics)})
         return States(
             self.mechanism,
             self.driven[rows],
             self.weight[rows],
             self.payload_points,
             self.payload_mass[rows],
-            kin,
+            self.kin.take(rows),
             self.D if len(self.D) == 1 else self.D[rows],
             None if self.rates is None else self.rates.take(rows),
+            _frames=[frames.take(rows) for frames in self._frames],
         )
 
     def point(self, point: Point | Spot) -> tuple[Array, Array]:
@@ -208,7 +132,7 @@ class States:
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
         arm = xmat @ local if local.ndim == 1 else sum(local[..., i, None] * xmat[..., :, i] for i in range(3))
         position = xpos + arm
-        linear, angular = self._twist(body)
+        linear, angular = self.twist(body)
         if not ancestors(self.mechanism.model, body):
             return position, linear
         offset = position - self.kin.com[:, body]
@@ -247,7 +171,7 @@ class States:
     def rotation(self, body: str) -> tuple[Array, Array]:
         """World rotation (N, 3, 3) of a body and its angular-velocity Jacobian (N, 3, nd)."""
         index = self.mechanism.body_id(body)
-        return self.kin.xmat[:, index], self._twist(index)[1]
+        return self.kin.xmat[:, index], self.twist(index)[1]
 
     @property
     def moving(self) -> Rates:
@@ -266,11 +190,7 @@ class States:
 
         F = dp/dt and p are the same linear function of Xddot and of Xdot.
         """
-        places = {}
-        for body in range(self.mechanism.model.nbody):
-            place = self.placement(self.mechanism.model.body(body).name)
-            places[body] = replace(place, bend=place.speed, push=place.spin)
-        return replace(self, _placements=places)
+        return replace(self, _frames=[self.frames.delayed])
 
     def carried(self, body: int) -> bool:
         """Whether any joint moves a body (by number)."""
@@ -296,43 +216,24 @@ class States:
         pull = np.einsum("...i,...ij->...j", self.acceleration(point), jacobian)
         return np.asarray(mass)[..., None] * pull
 
+    @property
+    def frames(self) -> Placement:
+        """Frames of all bodies with their time derivatives."""
+        if not self._frames:
+            self._frames.append(placements(self.mechanism.model, self.kin, self.moving))
+        return self._frames[0]
+
     def placement(self, body: str) -> Placement:
-        """Frame of a body with its time derivatives and its slope in driven coordinates."""
+        """Frame of a body with its time derivatives."""
+        return self.frames.of(self.mechanism.body_id(body))
+
+    def worked(self, body: str, wrench: Array) -> Array:
+        """Effort (N, nd, P) of the driven joints that gives a body wrenches (N, 6, P) about the world origin."""
         index = self.mechanism.body_id(body)
-        if index not in self._placements:
-            self._placements[index] = self._place(index)
-        return self._placements[index]
-
-    def _place(self, body: int) -> Placement:
-        moving, kin = self.moving, self.kin
-        dofs = ancestors(self.mechanism.model, body)
-        origin, turn = kin.xpos[:, body], kin.xmat[:, body]
-        if not dofs:
-            none = np.zeros((len(self), 3, 4))
-            return Placement(np.concatenate([turn, origin[..., None]], axis=2), none, none,
-                             np.zeros((len(self), self.driven.shape[1], 3, 4)), none[..., 0], none[..., 0])  # fmt: skip
-        axes, v = kin.cdof[:, dofs], moving.velocity[:, dofs, None]
-        twist = (axes * v).sum(axis=1)
-        rate = (axes * moving.acceleration[:, dofs, None] + moving.cdof_dot[:, dofs] * v).sum(axis=1)
-        arm = origin - kin.com[:, body]
-        spin, push = skew(twist[:, :3]), skew(rate[:, :3])
-        velocity = twist[:, 3:] + (spin @ arm[..., None])[..., 0]
-        acceleration = rate[:, 3:] + (push @ arm[..., None] + spin @ velocity[..., None])[..., 0]
-        linear, angular = self._twist(body)
-        along = skew(np.swapaxes(angular, 1, 2))
-        steer = np.swapaxes(linear, 1, 2) + (along @ arm[:, None, :, None])[..., 0]
-
-        def joined(rotation: Array, translation: Array) -> Array:
-            return np.concatenate([rotation, translation[..., None]], axis=-1)
-
-        return Placement(
-            joined(turn, origin),
-            joined(spin @ turn, velocity),
-            joined((push + spin @ spin) @ turn, acceleration),
-            joined(along @ turn[:, None], steer),
-            twist[:, :3],
-            rate[:, :3],
-        )
+        linear, angular = self.twist(index)
+        force = wrench[..., :3, :]
+        moment = wrench[..., 3:, :] - columns_crossed(self.kin.com[:, index, :, None], force)
+        return np.swapaxes(linear, 1, 2) @ force + np.swapaxes(angular, 1, 2) @ moment
 
     @cached_property
     def holding(self) -> Array:
@@ -361,7 +262,7 @@ class States:
         position, _ = self.point(point)
         return np.asarray(mass) * (position @ -self.mechanism.gravity)
 
-    def _twist(self, body: int) -> tuple[Array, Array]:
+    def twist(self, body: int) -> tuple[Array, Array]:
         """Linear (at the tree's centre) and angular Jacobians (N, 3, nd) of a body in driven coordinates."""
         if body not in self._bodies:
             dofs = ancestors(self.mechanism.model, body)
@@ -372,10 +273,3 @@ class States:
                 motion = np.swapaxes(self.kin.cdof[:, dofs], 1, 2) @ self.D[:, dofs]
                 self._bodies[body] = (motion[:, 3:], motion[:, :3])
         return self._bodies[body]
-
-
-def skew(vector: Array) -> Array:
-    """The matrices (..., 3, 3) that cross a vector (..., 3) with another."""
-    x, y, z = (vector[..., i] for i in range(3))
-    zero = np.zeros_like(x)
-    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*vector.shape, 3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +15,16 @@ from numpy.typing import NDArray
 from equipoise import workspace
 from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
-from equipoise.mechanism import Mechanism, Point
+from equipoise.mechanism import Mechanism
 from equipoise.motion.drivers import Driver
 from equipoise.motion.motion import Motion, of_drivers, read_motion
-from equipoise.motion.moves import Free, Moves, Timed, take
+from equipoise.motion.moves import Moves, Timed, take
+from equipoise.payload import Payload, scenarios_of
 from equipoise.posefile import held, read_columns
 from equipoise.ranges import (
     MAX_POSES,
     anchors,
     box_of,
-    crossed,
-    driven_index,
     few_enough,
     interval,
     points_each_way,
@@ -33,37 +32,13 @@ from equipoise.ranges import (
     tensor,
     ticks_of,
 )
+from equipoise.regions import Workspace, gauss_ticks
 from equipoise.seeding import generator
-from equipoise.units import Joint, Length, Mass, Number, Time
+from equipoise.units import Joint, Length, Number, Time
 
 INSTANTS = 721
 FINER = 2
 """Gauss points per axis that the finer rule has more."""
-PROBE = 12
-"""How many random poses must be in reach before more are tried."""
-
-
-@dataclass(frozen=True)
-class Payload:
-    """A known point mass carried at `at` (m, link frame) of `body`; several masses are scenarios.
-
-    mass in kg, one number or several; masses given for the same point are alternatives, masses at
-    different points are combined.
-    """
-
-    body: str
-    mass: Mass | tuple[Mass, ...]
-    at: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
-
-    @property
-    def point(self) -> Point:
-        """Where the payload sits."""
-        return Point(self.body, self.at)
-
-    @property
-    def masses(self) -> tuple[float, ...]:
-        """All scenarios of this payload, kg."""
-        return tuple(self.mass) if isinstance(self.mass, tuple | list) else (self.mass,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,15 +60,13 @@ class Sweep:
     box: Array | None = None
     sampled: bool = False
     payloads: tuple[Payload, ...] = ()
-    scenarios: Array = None  # type: ignore[assignment]
+    scenarios: Array = field(default_factory=lambda: np.zeros((1, 0)))
     moves: Moves | None = None
     finer: Callable[[], Sweep] | None = None
     outline: tuple[tuple[int, int], Array] | None = None
     beside: Motion | None = None
 
     def __post_init__(self) -> None:
-        if self.scenarios is None:
-            object.__setattr__(self, "scenarios", np.zeros((1, 0)))
         if len(self.poses) == 0:
             raise InputError("the sweep has no poses", where="sweep", hint="give at least one pose")
         few_enough(len(self.poses) * len(self.scenarios))
@@ -118,7 +91,7 @@ class Sweep:
         unit = sampler.random_base2(max(0, math.ceil(math.log2(n))))[:n]
         poses = box[:, 0] + unit * (box[:, 1] - box[:, 0])
         label = f"{n} poses (Sobol, seed {seed})"
-        return _with_payload(mechanism, Sweep(poses, np.ones(n), label, box, sampled=True), payload)
+        return Sweep(poses, np.ones(n), label, box, sampled=True)._carrying(mechanism, payload)
 
     @staticmethod
     def grid(
@@ -131,7 +104,7 @@ class Sweep:
         ticks, box = ticks_of(mechanism, axes, lambda lo, hi, n: (np.linspace(lo, hi, n), np.ones(n)))
         poses, weight = tensor(ticks)
         counts = " x ".join(f"{name} {len(ticks[mechanism.driven.index(name)][0])}" for name in axes)
-        return _with_payload(mechanism, Sweep(poses, weight, f"{len(poses)} poses (grid {counts})", box), payload)
+        return Sweep(poses, weight, f"{len(poses)} poses (grid {counts})", box)._carrying(mechanism, payload)
 
     @staticmethod
     def quadrature(
@@ -142,18 +115,14 @@ class Sweep:
     ) -> Sweep:
         """Gauss-Legendre points of {joint: (low, high, points)}; the weights sum to the measure of the box."""
 
-        def gauss(lo: float, hi: float, n: int) -> tuple[Array, Array]:
-            x, w = np.polynomial.legendre.leggauss(n)
-            return (lo + hi) / 2 + x * (hi - lo) / 2, w * (hi - lo) / 2
-
         def finer() -> Sweep:
             more = {joint: (low, high, int(count) + FINER) for joint, (low, high, count) in axes.items()}
             return Sweep.quadrature(mechanism, more, payload=payload)
 
-        ticks, box = ticks_of(mechanism, axes, gauss)
+        ticks, box = ticks_of(mechanism, axes, gauss_ticks)
         poses, weight = tensor(ticks)
         label = f"{len(poses)} Gauss-Legendre points"
-        return _with_payload(mechanism, Sweep(poses, weight, label, box, finer=finer), payload)
+        return Sweep(poses, weight, label, box, finer=finer)._carrying(mechanism, payload)
 
     @staticmethod
     def polygon(
@@ -175,18 +144,18 @@ class Sweep:
         names = mechanism.driven[:2] if joints is None else joints
         vertices = np.array([interval(corner, 2, "sweep.polygon", ordered=False) for corner in corners])
         rule = workspace.polygon_rule(vertices, anchors(mechanism, names), points_each_way(points))
-        edge = workspace.rim(vertices, points)
-        label = f"polygon of {len(vertices)} corners over {' and '.join(names)}"
+        space = Workspace(tuple(names), vertices, rule, workspace.rim(vertices, points))
+        poses, weight = space.poses(mechanism, axes or {})
 
         def finer() -> Sweep:
             more = points + 4
             return Sweep.polygon(mechanism, corners, points=more, joints=joints, axes=axes, payload=payload)
 
-        sweep = _region(
-            mechanism, names, vertices, rule=rule, edge=edge, axes=axes or {}, payload=payload, label=label, finer=finer
-        )
+        what = f"polygon of {len(vertices)} corners over {' and '.join(names)}"
+        label = f"{np.count_nonzero(weight)} Gauss points of a {what}"
         first, second = (mechanism.driven.index(name) for name in names)
-        return replace(sweep, outline=((first, second), vertices))
+        sweep = Sweep(poses, weight, label, finer=finer, outline=((first, second), vertices))
+        return sweep._carrying(mechanism, payload)
 
     @staticmethod
     def triangle(
@@ -221,25 +190,16 @@ class Sweep:
             raise InputError(
                 "a box needs one to three joints with low < high", where="sweep.box", hint="use quadrature"
             )
-        rule = workspace.box_rule(pairs[:, 0], pairs[:, 1], points_each_way(points))
         corners = np.array(list(itertools.product(*pairs)))
+        rule = workspace.box_rule(pairs[:, 0], pairs[:, 1], points_each_way(points))
+        poses, weight = Workspace(names, corners, rule, corners).poses(mechanism, axes or {})
 
         def finer() -> Sweep:
             return Sweep.region(mechanism, ranges, points=points + 2, axes=axes, payload=payload)
 
-        sweep = _region(
-            mechanism,
-            names,
-            corners,
-            rule=rule,
-            edge=corners,
-            axes=axes or {},
-            payload=payload,
-            label=f"box over {', '.join(names)}",
-            finer=finer,
-        )
-        box = sweep.poses.min(0), sweep.poses.max(0)
-        return replace(sweep, box=np.stack(box, axis=1))
+        label = f"{np.count_nonzero(weight)} Gauss points of a box over {', '.join(names)}"
+        box = np.stack([poses.min(axis=0), poses.max(axis=0)], axis=1)
+        return Sweep(poses, weight, label, box, finer=finer)._carrying(mechanism, payload)
 
     @staticmethod
     def of_poses(
@@ -267,7 +227,7 @@ class Sweep:
             label = f"{len(table)} poses (list)"
         if len(weights) != len(table) or (weights < 0).any() or (len(table) and not weights.sum() > 0):
             raise InputError("pose weights must be non-negative, one per pose, and not all zero", where="sweep.poses")
-        return _with_payload(mechanism, Sweep(table, weights, label), payload)
+        return Sweep(table, weights, label)._carrying(mechanism, payload)
 
     def holds(self, poses: Array) -> NDArray[np.bool_]:
         """Which poses (M, nd) lie in the region: the sweep's outline and the box of its poses, rims included."""
@@ -311,7 +271,7 @@ class Sweep:
         timed = Timed(moving, times if samples is None and len(times) else np.linspace(moving.start, moving.end, count))
         label = f"{len(timed.time)} instants of {moving.end - moving.start:g} s ({label})"
         sweep = Sweep(timed.rows[0], timed.weight, label, sampled=True, moves=timed)
-        return _with_payload(mechanism, sweep, payload)
+        return sweep._carrying(mechanism, payload)
 
     @staticmethod
     def reactionless(
@@ -347,34 +307,14 @@ class Sweep:
         accelerations are drawn from -1..1 (rad/s, rad/s^2 or m/s, m/s^2). Where loops do not reach all poses, these
         are drawn closer to the reference, until the loops do.
         """
-        from equipoise.loops import reachable
+        from equipoise.motion.anyhow import any_states
 
         if n < 1:
             raise InputError(f"{n} states are no sample", where="sweep.any_motion")
         few_enough(n * max(1, len(payload)))
-        box, rng = box_of(mechanism, ranges or {}), generator(seed)
-        centre, kept = held(mechanism), np.zeros((0, len(box)))
-        for shrink in (1.0, 0.4, 0.15, 0.05, 0.02):
-            near = centre + shrink * (box - centre[:, None]).T
-            poses = near[0] + rng.random((2 * n, len(box))) * (near[1] - near[0])
-            some = poses[:PROBE][reachable(mechanism, poses[:PROBE])]
-            reached = poses[reachable(mechanism, poses)] if len(some) == len(poses[:PROBE]) else some
-            if len(reached) == len(poses):  # a room without walls: its poses also reach each other
-                kept = reached
-                break
-            kept = np.vstack([kept, reached])
-        if len(kept) < n:
-            raise InputError(
-                f"only {len(kept)} of {n} random poses can be reached by the loops",
-                where="sweep.any_motion",
-                hint="narrow the `ranges` of the driven joints",
-            )
-        kept = kept[-n:]
-        unit = np.repeat([[-1.0, 1.0]], 2 * len(box), axis=0)
-        rates = rng.uniform(-1.0, 1.0, (n, 2 * len(box)))
-        free = Free(np.hstack([kept, rates]), np.vstack([np.stack([kept.min(0), kept.max(0)], 1), unit]))
-        sweep = Sweep(kept, np.ones(n), f"{n} random states (seed {seed})", moves=free)
-        return _with_payload(mechanism, sweep, payload)
+        free = any_states(mechanism, box_of(mechanism, ranges or {}), n, generator(seed))
+        sweep = Sweep(free.rows[0], np.ones(n), f"{n} random states (seed {seed})", moves=free)
+        return sweep._carrying(mechanism, payload)
 
     @property
     def coordinates(self) -> Array:
@@ -432,56 +372,6 @@ class Sweep:
         )
         return f"{self.label}, payload {carried}"
 
-
-def _region(
-    mechanism: Mechanism,
-    names: Sequence[str],
-    corners: Array,
-    *,
-    rule: tuple[Array, Array],
-    edge: Array,
-    axes: Mapping[str, Sequence[Joint]],
-    payload: Sequence[Payload],
-    label: str,
-    finer: Callable[[], Sweep],
-) -> Sweep:
-    """The product of a rule over some joints and Gauss points of others; edge poses weigh nothing."""
-    indices = [driven_index(mechanism, name, "sweep") for name in names]
-    limits = mechanism.box[indices]
-    for corner in corners:
-        for name, value, (low, high) in zip(names, corner, limits, strict=True):
-            if value < low - 1e-9 or value > high + 1e-9:
-                raise InputError(
-                    f"the workspace reaches {name} = {value:g}, the platform only {low:g} to {high:g}",
-                    where="sweep",
-                    hint="keep it within the anchors, or widen the platform's `limits`",
-                )
-    if set(names) & set(axes):
-        raise InputError("a joint is in the region and in the axes", where="sweep.axes", hint="name it once")
-    start = held(mechanism)
-    others, weight = start[None], np.ones(1)
-    ends = start[None]
-    if axes:
-        inner = Sweep.quadrature(mechanism, axes)
-        others, weight = inner.poses, inner.weight
-        assert inner.box is not None
-        ends = np.array(list(itertools.product(*inner.box)))
-    points, w = rule
-    poses = np.concatenate([crossed(points, others, indices), crossed(edge, np.unique(ends, axis=0), indices)])
-    weights = np.concatenate([np.outer(w, weight).ravel(), np.zeros(len(poses) - len(w) * len(weight))])
-    what = f"{len(w) * len(weight)} Gauss points of a {label}"
-    return _with_payload(mechanism, Sweep(poses, weights, what, finer=finer), payload)
-
-
-def _with_payload(mechanism: Mechanism, sweep: Sweep, payload: Sequence[Payload]) -> Sweep:
-    points: dict[tuple[str, tuple[float, ...]], list[float]] = {}
-    for item in payload:
-        mechanism.body_id(item.body)
-        for mass in item.masses:
-            if not (math.isfinite(mass) and mass >= 0):
-                raise InputError(f"a payload of {mass:g} kg is not a mass", where=f"payload at {item.body}")
-            points.setdefault((item.body, tuple(item.at)), []).append(float(mass))
-    if not points:
-        return sweep
-    places = tuple(Payload(body, 0.0, at) for body, at in points)  # type: ignore[arg-type]
-    return replace(sweep, payloads=places, scenarios=np.array(list(itertools.product(*points.values()))))
+    def _carrying(self, mechanism: Mechanism, payload: Sequence[Payload]) -> Sweep:
+        places, masses = scenarios_of(mechanism, payload)
+        return replace(self, payloads=places, scenarios=masses)

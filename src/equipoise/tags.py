@@ -97,7 +97,7 @@ from equipoise.models.parallelogram_robot import parallelogram_robot
 from equipoise.models.rrr3 import rrr3
 from equipoise.models.slider_crank import slider_crank
 from equipoise.motion.drivers import Cycloidal, Driver, Expression, TimePolynomial, TimeSpline
-from equipoise.parts import PARTS
+from equipoise.parts import PARTS, WindableSpring
 from equipoise.sweep import Sweep
 from equipoise.units import Length as Metres
 
@@ -170,6 +170,7 @@ LAWS: dict[str, Callable[..., Any]] = {
     "polynomial": Polynomial,
     "bspline": BSpline,
     **PARTS,
+    "windable_spring": WindableSpring,
 }
 EXPONENTS: dict[str, Callable[..., Any]] = {"nitrogen": Nitrogen}
 MASSES: dict[str, Callable[..., Any]] = {"wire_mass": WireMass}

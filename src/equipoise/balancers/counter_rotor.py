@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from equipoise.affine import Affine, Array, Block, Unknown
+from equipoise.balancers.gearing import SLIGHT, Mesh, meshing, teeth
 from equipoise.balancers.paths.bodies import add_point_mass
 from equipoise.balancers.spring import STORAGE
 from equipoise.errors import InputError, nearest
@@ -17,31 +18,12 @@ from equipoise.loops import ancestors
 from equipoise.mechanism import ANSWERED, Mechanism, Point
 from equipoise.momentum import FORCE, MASS, MOMENT
 from equipoise.states import States
-from equipoise.units import Inertia, Length, Mass, Number
+from equipoise.units import Angle, Inertia, Length, Mass, Number
 
 BASE = Point("world")
-SLIGHT = 1e-9
-"""Share of the largest torque below which its sign is rounding."""
-
-
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """A mesh or belt and the torque (N,), N m, that it passes over a motion, counted at the driven side."""
-
-    name: str
-    torque: Array
-
-    @property
-    def reversals(self) -> int:
-        """How often the torque changes its sign, so that the teeth change sides."""
-        size = float(np.abs(self.torque).max(initial=0.0))
-        signs = np.sign(self.torque[np.abs(self.torque) > SLIGHT * max(size, 1e-300)])
-        return int((np.diff(signs) != 0).sum())
-
-    @property
-    def preload(self) -> float:
-        """The least torque of an anti-backlash spring that keeps the teeth on one side throughout, N m."""
-        return float(max(0.0, min(self.torque.max(), -self.torque.min())))
+PRESSURE = float(np.radians(20.0))
+FIT = 1e-6
+"""Share of the centre distance within which pitch circles meet."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +38,11 @@ class CounterRotor:
     the gear or pulley which turns with the body itself on the same shaft's carrier (a planetary pair: belt to the
     base, then the mesh). The rotor's mass is `mass`, or follows from a disc of `radius`: m = 2 J / radius^2. Every
     joint between carrier, body and base must turn about n or slide. Unknown name.J.
+
+    Where the carrier holds the body's own hinge (and there is no pair), gears of a positive ratio keep their centres
+    at a distance a: the pitch radius is a / (1 + ratio), or the given one, which must agree, and the force on the
+    teeth, at pressure_angle, loads the body's bearing. Belts, internal gears and pairs, whose two shafts one carrier
+    holds, load it with torques alone; a pair's pitch_radius tells the force on its teeth.
     """
 
     name: str
@@ -66,6 +53,8 @@ class CounterRotor:
     at: Point = BASE
     radius: Length | None = None
     mass: Mass = 0.0
+    pitch_radius: Length | None = None
+    pressure_angle: Angle = PRESSURE
     like: str | None = None
     sources: ClassVar[tuple[str, ...]] = ("arakelian_smith_2008",)
 
@@ -86,7 +75,8 @@ class CounterRotor:
             raise InputError(f"nothing turns {self.body}", where=where, hint="name a moving body")
         if self.ratio == 0:
             raise InputError("the ratio is 0: the rotor would not turn", where=where, hint="ratio: 1")
-        for what, value in (("radius", self.radius), ("inertia", self.inertia)):
+        sizes = (("radius", self.radius), ("inertia", self.inertia), ("pitch_radius", self.pitch_radius))
+        for what, value in sizes:
             if value is not None and not value > 0:
                 raise InputError(f"the {what} is {value:g}, it must be positive", where=where)
         if self.gear_inertia < 0 or self.mass < 0:
@@ -96,6 +86,65 @@ class CounterRotor:
         if not turning(mechanism, self.body):
             raise InputError(f"{self.body} only slides: there is no rotation to counter", where=where)
         turning(mechanism, self.at.body)
+        self._check_teeth(mechanism, where)
+
+    def _check_teeth(self, mechanism: Mechanism, where: str) -> None:
+        if not 0 <= self.pressure_angle < np.pi / 4:
+            raise InputError(
+                f"the pressure angle is {np.degrees(self.pressure_angle):g} deg", where=where, hint="0 to 45 deg"
+            )
+        if self.pitch_radius is None:
+            return
+        if self.ratio < 0:
+            raise InputError(
+                "a negative ratio is a belt or an internal gear: it has no pitch_radius here",
+                where=where,
+                hint="leave pitch_radius out; the mesh then counts as a pure torque",
+            )
+        gears, needed = self._gears(mechanism), self.pitch_radius * (1.0 + self.ratio)
+        if gears is not None and abs(gears[1] - needed) > FIT * needed:
+            circles = f"{self.pitch_radius * 1e3:g} mm and {self.pitch_radius * self.ratio * 1e3:g} mm"
+            raise InputError(
+                f"the gears do not meet: pitch circles of {circles} need their axes {needed * 1e3:g} mm apart, they "
+                f"are {gears[1] * 1e3:g} mm",
+                where=where,
+                hint="move the shaft (`at`), or leave pitch_radius out: it follows from the distance",
+            )
+
+    def _gears(self, mechanism: Mechanism) -> tuple[int, float] | None:
+        """The body's hinge and the distance of the two axes, m, where two gears of constant centre distance mesh."""
+        model, carrier = mechanism.model, mechanism.body_id(self.at.body)
+        joint = meshing(model, mechanism.body_id(self.body), carrier)
+        if joint is None or self.ratio < 0 or self.gear_inertia:
+            return None
+        data = mujoco.MjData(model)
+        data.qpos[:] = mechanism.reference
+        mujoco.mj_kinematics(model, data)
+        shaft = data.xpos[carrier] + data.xmat[carrier].reshape(3, 3) @ np.array(self.at.at, dtype=float)
+        return joint, float(np.linalg.norm(np.cross(data.xaxis[joint], shaft - data.xanchor[joint])))
+
+    def circle(self, mechanism: Mechanism) -> float | None:
+        """Pitch radius of the rotor's gear, m; None where no teeth are known, or both axes are one."""
+        gears = self._gears(mechanism)
+        if gears is None:
+            return self.pitch_radius
+        return gears[1] / (1.0 + self.ratio) if gears[1] > SLIGHT else None
+
+    def pushed(self, states: States, values: Mapping[str, float]) -> tuple[int, Array] | None:
+        """The body (number) whose bearing the teeth load, and the force (N, 3) of its gear on the rotor, N.
+
+        None where the mesh loads bearings with torques alone.
+        """
+        mechanism, model = states.mechanism, states.mechanism.model
+        gears, radius = self._gears(mechanism), self.circle(mechanism)
+        if gears is None or radius is None:
+            return None
+        held, normal = int(model.jnt_bodyid[gears[0]]), _normal(mechanism, self.body)
+        x, y, z = model.jnt_pos[gears[0]].tolist()
+        centres = states.point(self.at)[0] - states.point(Point(model.body(held).name, (x, y, z)))[0]
+        centres = centres - np.outer(centres @ normal, normal)
+        torque = self.meshes(states, values)[0].torque
+        return held, teeth(torque, radius, self.pressure_angle, centres, normal)
 
     def effort(self, states: States, goal: str) -> Affine:
         """The rotor's share of a goal: `hold`, `drive`, `force`, `moment`, `mass`, `energy` or `storage`."""
@@ -157,7 +206,8 @@ class CounterRotor:
         T_mesh = J dOmega/dt,   T_belt = J_gear dw_b/dt - ratio T_mesh
         """
         _, rotor, gear = self._spin(states)
-        driven = Mesh(f"{self.name}", self.found(values) * rotor[0])
+        radius = self.circle(states.mechanism)
+        driven = Mesh(f"{self.name}", self.found(values) * rotor[0], radius, self.pressure_angle)
         if not self.gear_inertia:
             return (driven,)
         return driven, Mesh(f"{self.name} belt", self.gear_inertia * gear[0] - self.ratio * driven.torque)

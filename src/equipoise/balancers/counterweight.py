@@ -146,13 +146,12 @@ class Counterweight:
                 where=f"counterweight {self.name}",
                 hint="use shape: plate (or solid), give the place and no reach, or free the place in `shape`",
             )
-        place = states.placement(self.at.body)
         if goal == "drive":
             hold = self.effort(states, "hold")
-            inertia = self._affine(hold.blocks, inertial_effort(place, self.basis))
+            inertia = self._affine(hold.blocks, inertial_effort(states, self.at.body, self.basis))
             return replace(hold, b=hold.b + inertia.b, A=hold.A + inertia.A)
         first, block = (0, FORCE) if goal == "force" else (3, MOMENT)
-        return self._affine((block,), wrench(place, self.basis)[..., first : first + 3, :])
+        return self._affine((block,), wrench(states.placement(self.at.body), self.basis)[..., first : first + 3, :])
 
     @property
     def basis(self) -> Array:

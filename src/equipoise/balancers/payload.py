@@ -10,7 +10,8 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
-from equipoise.sweep import Payload, Sweep
+from equipoise.payload import Payload
+from equipoise.sweep import Sweep
 
 EXACT = 1e-9
 POSES = 64

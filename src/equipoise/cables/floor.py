@@ -36,7 +36,7 @@ def spline_floor(design: Design, pieces: int = PIECES) -> SplineFloor | None:
     makes worse are left out. Fine splines come within about 0.1 % of the floor of all laws. None where nothing sits
     behind a reel, or no interval of cable lengths is known.
     """
-    from equipoise.verbs.balance import settle, task_of
+    from equipoise.tasks import settle, task_of
 
     springs = {b.name: b for b in design.balancers if isinstance(b, Spring) and reel_of(b) is not None}
     ranges = {name: _interval(design, spring) for name, spring in springs.items()}

@@ -78,7 +78,9 @@ def written(out: Path | None, found: Design) -> list[str]:
 
 def design_answer(found: Design, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:
     """A design as it was solved: neither verified nor reported."""
-    found = told(found, problem, out)
+    from equipoise.solving import banded
+
+    found = banded(told(found, problem, out), problem)
     with staging(out) as stage:
         write_design(found, stage)
     return concluded(found, json, stopped, written(out, found))

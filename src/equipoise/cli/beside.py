@@ -67,19 +67,23 @@ def side_by_side(
 
 def compare(file: File, json: Json = False, out: Out = None, starts: Starts = None) -> int:
     """A working member of every family of balancers for one joint, side by side and ranked."""
+    from equipoise.families.judge import Chance
+    from equipoise.objective import leading
     from equipoise.reporting.comparison import markdown
     from equipoise.targets import target_of
     from equipoise.verbs.compare import STARTS
     from equipoise.verbs.compare import compare as run
 
     problem = target_of(file).problem
-    norm = next(aim.norm for aim in problem.objective if aim.cap is None)
+    aim = leading(problem.objective)
     with problem.at_names():
         found = run(
             problem.mechanism,
             problem.sweep,
             problem.content.compare,
-            norm=norm,
+            norm=aim.norm,
+            judged=aim.judged,
+            chance=Chance(problem.content.tolerances, problem.content.friction),
             starts=starts or STARTS,
             progress=lambda name: say(f"designing {name}"),
         )

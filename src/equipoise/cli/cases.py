@@ -11,7 +11,7 @@ from equipoise.console import say, staging
 
 if TYPE_CHECKING:
     from equipoise.problem import Problem
-    from equipoise.verbs.adjust import Adjusted
+    from equipoise.verbs.adjusted import Adjusted
 
 
 def cases_answer(found: Adjusted, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:
@@ -45,7 +45,9 @@ def cases_reported(found: Adjusted, problem: Problem, json: bool, out: Path, sto
 
 
 def _told(found: Adjusted, problem: Problem, out: Path | None) -> Adjusted:
-    return replace(found, designs=tuple(told(design, problem, out) for design in found.designs))
+    from equipoise.solving import banded
+
+    return replace(found, designs=tuple(banded(told(design, problem, out), problem) for design in found.designs))
 
 
 def _concluded(found: Adjusted, json: bool, stopped: bool, lines: list[str]) -> int:

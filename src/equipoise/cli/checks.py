@@ -19,13 +19,13 @@ def verify(
     poses: Annotated[int, typer.Option("--poses", min=1, help="Number of unseen poses.")] = 10_000,
 ) -> int:
     """The design in MuJoCo at poses it never saw, its energies, and the poses between the samples."""
-    from equipoise.solving import found_design
+    from equipoise.solving import banded, found_design
     from equipoise.verbs.verify import verify as run
 
     found, problem, stopped = found_design(file, "verify")
     options: dict[str, Any] = {"poses": poses} if seed is None else {"poses": poses, "seed": seed}
     with staging(out) as stage:
-        found = run(told(found, problem, out), out=stage, **options)
+        found = run(banded(told(found, problem, out), problem), out=stage, **options)
         write_design(found, stage)
     return concluded(found, json, stopped, written(out, found))
 

@@ -25,11 +25,12 @@ def discover(
     at: Annotated[str | None, typer.Option("--at", metavar="BODY", help="The body that carries them.")] = None,
     springs: Annotated[int | None, typer.Option("--springs", min=1, help="The largest number of springs.")] = None,
     kinds: Annotated[str | None, typer.Option("--kinds", metavar="LIST", help="zero_free_length,coil,...")] = None,
+    make: Annotated[str | None, typer.Option("--make", metavar="GRADE", help="Springs wound of a wire: SH.")] = None,
 ) -> int:
     """Which springs at all: the best designs with 1, 2, 3, ... of them, verified."""
     from equipoise.solving import discovered, discovery
 
-    problem = discovery(file, payload, at, springs, kinds)
+    problem = discovery(file, payload, at, springs, kinds, make)
     front, stopped = discovered(problem)
     return _fronted(front, problem, json, out, stopped)
 
@@ -38,6 +39,7 @@ def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, s
     """Verify the designs of a front, write them, and say what there is to say."""
     from equipoise.discovery.ask import design_problem
     from equipoise.reporting.front_page import page
+    from equipoise.solving import judged
     from equipoise.verbs.verify import verify as run
 
     lines, made = [], []
@@ -48,7 +50,7 @@ def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, s
                 folder.mkdir()
             place = None if out is None else out / front.folder(design)
             found = told(design, design_problem(design, problem), place)
-            made.append(found if stopped else run(found, out=folder))
+            made.append(found if stopped else judged(run(found, out=folder), problem))
             write_design(made[-1], folder)
             lines += written(place, made[-1])
         front = front.with_designs(tuple(made))

@@ -55,6 +55,7 @@ def survey(
     seed: Seed = None,
 ) -> int:
     """Every spring of a catalogue at its own best geometry, ranked; goes on where it was stopped."""
+    from equipoise.objective import leading
     from equipoise.picking import requested, survey_json, survey_words, surveyed
     from equipoise.solving import solvable_problem
 
@@ -62,7 +63,7 @@ def survey(
     request = requested(problem, catalogue, units, column or (), parallel or 1)
     folder = out or default_out(problem)
     found, stopped = surveyed(problem, request, spring, folder, seed)
-    unit = next(aim.unit(problem.mechanism) for aim in problem.objective if aim.cap is None)
+    unit = leading(problem.objective).unit(problem.mechanism)
     say(survey_words(found, unit, folder))
     if json:
         emit(survey_json(found))

@@ -21,11 +21,13 @@ from equipoise.yamlfile import Document
 POSES = 2048
 
 
-def asked(target: Target, payload: str | None, at: str | None, springs: int | None, kinds: str | None) -> Problem:
+def asked(
+    target: Target, payload: str | None, at: str | None, springs: int | None, kinds: str | None, make: str | None
+) -> Problem:
     """The problem of a discovery: the file's own, or a robot's over its joint limits, changed by options.
 
     payload lists masses (`0,5kg`), at names the body that carries them (default: the tip of the longest chain),
-    kinds lists tags. Raises InputError for masses that cannot be read.
+    kinds lists tags, make names the wire that springs are wound of. Raises InputError for masses that cannot be read.
     """
     problem = target.problem
     content: dict[str, Any] = copy.deepcopy(dict(problem.raw))
@@ -41,6 +43,7 @@ def asked(target: Target, payload: str | None, at: str | None, springs: int | No
     changed: dict[str, Any] = dict(content.get("discover") or {})
     changed |= {"springs": springs} if springs is not None else {}
     changed |= {"kinds": [kind.strip() for kind in kinds.split(",")]} if kinds is not None else {}
+    changed |= {"make": {**(changed.get("make") or {}), "grade": make}} if make is not None else {}
     content["discover"] = changed
     for key in ("balancers", "shape", "start"):
         content.pop(key, None)

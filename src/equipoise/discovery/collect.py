@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from equipoise.affine import Array
-from equipoise.balancers.paths import Line
+from equipoise.balancers.paths import Cable, Line
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.dictionary import Dictionary
 from equipoise.discovery.ground import Ground
@@ -22,6 +22,7 @@ from equipoise.interference.axes import passed
 from equipoise.limits.avoid import Avoid, rooms
 from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim
+from equipoise.parts import WindableSpring
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.verbs.analyze import Analysis, analyze
@@ -49,19 +50,24 @@ class Collection:
     spacing: float
     margin: float
 
-    def propose(self, index: int, number: int) -> Proposal:
-        """A candidate as the number-th balancer of a design, with what the request asks of all."""
+    def propose(self, index: int, number: int, share: float = 1.0) -> Proposal:
+        """A candidate as the number-th balancer of a design at a share of its most, with what is asked of all."""
         found = self.dictionary.propose(index, number)
-        straight = isinstance(found.balancer, Spring) and isinstance(found.balancer.path, Line)
-        if not (straight and self.request.avoids("bodies")):
+        if found.mass:
+            found = replace(found, balancer=replace(found.balancer, mass=share * found.mass))  # type: ignore[call-arg]
+        spring, what = found.balancer, self.request.avoid
+        if what == "nothing" or not (isinstance(spring, Spring) and isinstance(spring.path, Line | Cable)):
             return found
-        return replace(found, limits=(*found.limits, Avoid(found.balancer.name, self.request.radius)))
+        law = spring.law
+        wide = law.width if isinstance(law, WindableSpring) and law.room is None else None
+        gap = 0.0 if wide is None else wide / 2
+        return replace(found, limits=(*found.limits, Avoid(spring.name, self.request.radius, gap, what)))
 
     @property
     def reached(self) -> set[int]:
         """Numbers of the joints that some candidate acts on."""
         mechanism = self.scene.ground.mechanism
-        if mechanism.model.neq or not all(kind.lines for kind in self.request.kinds):
+        if mechanism.model.neq or not all(kind.lines for kind in self.request.tried):
             return set(range(mechanism.model.njnt))
         pairs = [(a.body, b.body) for a, b in self.scene.pairs]
         return {joint for pair in pairs for joint in self.scene.ground.between(*pair)}
@@ -100,7 +106,7 @@ def collect(mechanism: Mechanism, sweep: Sweep, request: Discover, aim: Aim) -> 
     moving = tuple(body for body in ground.groups if ground.between("world", body) and _carries(ground, body))
     bodies = _bodies(ground, moving, request, margin, spacing)
     scene = Scene(ground, bare, counted, spots, found.worth, bodies, _keeper(request, bare), Counter())
-    batches = tuple(batch for kind in request.kinds for batch in kind.batches(scene))
+    batches = tuple(batch for kind in request.tried for batch in kind.batches(scene))
     if not batches:
         raise InfeasibleError(
             f"no candidate is left: {removed(scene.refused)}",
@@ -201,7 +207,7 @@ def _used(
     """Which counted rows are loaded, or may become so."""
     mechanism = ground.mechanism
     spanned = {joint for pair in pairs for joint in ground.between(*pair)}
-    weights = not all(kind.lines for kind in request.kinds)
+    weights = not all(kind.lines for kind in request.tried)
     loads = np.abs(states.holding).max(axis=0)
     return np.array(
         [
@@ -220,7 +226,7 @@ def _keeper(request: Discover, states: States) -> Callable[..., Mapping[str, NDA
     """What refuses candidates whatever their kind: regions, bodies in the way, axes passed."""
     few = states.take(slice(None, None, 1 + len(states) // LOOKED_AT))
 
-    def keep(pair: tuple[str, str], a: Array, b: Array) -> Mapping[str, NDArray[np.bool_]]:
+    def keep(pair: tuple[str, str], a: Array, b: Array, gap: float = 0.0) -> Mapping[str, NDArray[np.bool_]]:
         reasons: dict[str, NDArray[np.bool_]] = {}
         if request.keep_out:
             bad = np.zeros(len(a), dtype=bool)
@@ -232,7 +238,7 @@ def _keeper(request: Discover, states: States) -> Callable[..., Mapping[str, NDA
         if pair[0] == pair[1]:
             return reasons
         if request.avoids("bodies"):
-            reasons["a body in the way"] = _blocked(few, pair, a, b, request.radius)
+            reasons["a body in the way"] = _blocked(few, pair, a, b, request.radius, gap)
         if request.avoids("axes"):
             over = [passed(few, pair, a[part], b[part]) for part in _parts(len(a))]
             reasons["it passes a joint's axis"] = np.concatenate(
@@ -243,7 +249,9 @@ def _keeper(request: Discover, states: States) -> Callable[..., Mapping[str, NDA
     return keep
 
 
-def _blocked(states: States, pair: tuple[str, str], a: Array, b: Array, radius: float | None) -> NDArray[np.bool_]:
+def _blocked(
+    states: States, pair: tuple[str, str], a: Array, b: Array, radius: float | None, gap: float
+) -> NDArray[np.bool_]:
     found = []
     for part in _parts(len(a)):
         ends = (
@@ -251,7 +259,7 @@ def _blocked(states: States, pair: tuple[str, str], a: Array, b: Array, radius: 
         )
         blocked = np.zeros(len(a[part]), dtype=bool)
         for _, room in rooms(states, Line(*ends), radius):
-            blocked |= (room < 0).any(axis=-1)
+            blocked |= (room < gap).any(axis=-1)
         found.append(blocked)
     return np.concatenate(found)
 

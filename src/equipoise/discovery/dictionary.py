@@ -97,7 +97,7 @@ class Dictionary:
         """Rank compression under the rows' weights, times an emphasis (S, rows) where one is given.
 
         The range is found from random combinations of columns, as many as it takes.
-        fixed (rows, n) are columns that are there already at a known level: they join the load.
+        fixed (rows,) is what parts that are there already hold: it joins the load.
         """
         every = np.ones_like(self.loads) if emphasis is None else emphasis
         heavy = self.weight * every / len(self.loads)

@@ -70,6 +70,12 @@ class Discovery:
     values: tuple[float, ...] = field(default=())
 
     @property
+    def highs(self) -> tuple[float, ...]:
+        """The 95 % value of every design's band; nothing where bands are not known."""
+        bands = [design.tolerance.band for design in self.designs if design.tolerance is not None]
+        return tuple(band.high for band in bands) if len(bands) == len(self.designs) else ()
+
+    @property
     def recommended(self) -> int:
         """Number of the design with the fewest parts that meets the target, else of the last."""
         for index, design in enumerate(self.designs):
@@ -95,6 +101,8 @@ class Discovery:
             "unit": self.unit,
             "before": self.before,
             "values": list(self.values),
+            "highs": list(self.highs),
+            "judged": self.aim.judged,
             "masses": [design.added_mass for design in self.designs],
             "floors": [vars(bound) for bound in self.bounds],
             "alternatives": [vars(one) | {"places": list(one.places)} for one in self.alternatives],

@@ -13,20 +13,25 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection
 from equipoise.discovery.kinds import Batch, Proposal
+from equipoise.discovery.reach import with_extremes
 from equipoise.discovery.subsets import Search, Subset
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
 from equipoise.parameters import candidates, read, unit_of, write
+from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Term
 from equipoise.solve.shape import Freedom, Local, descend
 from equipoise.sweep import Sweep
-from equipoise.verbs.balance import Task, balance, task_of
-from equipoise.verbs.shape import load_of
+from equipoise.tasks import Task, task_of
+from equipoise.verbs.balance import balance
+from equipoise.verbs.shape import descended, load_of
 
 ITERATIONS = 40
 PRECISION = 1e-5
+DETOUR = 1e-3
+"""Share of the bare value by which a design may get worse on its way to less stored energy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +88,8 @@ def built(parts: Parts, design: Design) -> Design:
     )
 
 
-def judge(collection: Collection, subset: Subset, norm: Norm) -> float:
-    """The objective's own norm of a subset at the best 0 <= k <= most, over the dictionary's states."""
+def judge(collection: Collection, subset: Subset, norm: Norm) -> tuple[float, tuple[float, ...]]:
+    """The objective's own norm of a subset at the best 0 <= k <= most, and k as shares of the most."""
     dictionary = collection.dictionary
     A = dictionary.columns(subset).reshape(-1, dictionary.blocks, len(subset))
     scenarios = len(dictionary.loads)
@@ -92,7 +97,8 @@ def judge(collection: Collection, subset: Subset, norm: Norm) -> float:
     weight = np.tile(dictionary.weight[:: dictionary.blocks], scenarios)
     unknowns = tuple(Unknown(str(index), "", 0.0, 1.0) for index in subset)
     term = Term("hold", norm, b, np.tile(A, (scenarios, 1, 1)), weight / weight.sum(), (1,) * dictionary.blocks)
-    return solve(Program(unknowns, (term,))).objective
+    found = solve(Program(unknowns, (term,)))
+    return found.objective, tuple(float(share) for share in found.theta)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +111,11 @@ class Refined:
     value: float
     excess: float
     energy: float
+    values: Mapping[str, float]
+
+    def of(self, balancer: Balancer) -> dict[str, float]:
+        """The unknowns of one balancer by parameter."""
+        return {u.name.removeprefix(f"{balancer.name}."): self.values[u.name] for u in balancer.unknowns}
 
 
 class Refiner:
@@ -117,6 +128,12 @@ class Refiner:
         bare = effort(mechanism, (), self.states)
         aim = next(aim for aim in self.objective if aim.cap is None)
         self.bare = aim.weight * aim.term(mechanism, bare, self.states.weight, bare).value(np.zeros(0))
+
+    def with_extremes(self, parts: Parts) -> Refiner:
+        """The same over the poses at which springs are shortest and longest, too."""
+        return Refiner(
+            self.mechanism, with_extremes(self.mechanism, parts.balancers, self.few), self.objective, self.limits
+        )
 
     def task(self, parts: Parts) -> Task:
         """The question that parts pose."""
@@ -140,25 +157,57 @@ class Refiner:
         geometry = {name: float(value) for name, value in zip(names, local.gamma, strict=True)}
         return self._refined(parts.at(geometry), geometry, local.solution, local.excess)
 
+    def shaped(self, parts: Parts, sweep: Sweep) -> Design:
+        """The design over a sweep that refined parts lead to; raises EquipoiseError where limits cannot be kept."""
+        limits = (*self.limits, *parts.limits)
+        if not parts.free:
+            return balance(self.mechanism, parts.balancers, sweep, objective=self.objective, limits=limits)
+        return descended(
+            self.mechanism,
+            parts.balancers,
+            sweep,
+            parts.free,
+            objective=self.objective,
+            limits=limits,
+            precision=PRECISION,
+            detour=DETOUR,
+        )
+
+    def banded(self, refined: Refined, scatter: Scatter, samples: int) -> Refined:
+        """The same parts where their optimum is settled, over few poses, with the 95 % value as their value."""
+        design = self.shaped(refined.parts, self.few)
+        return replace(
+            refined,
+            parts=refined.parts.at(design.geometry),
+            geometry=design.geometry,
+            theta=np.array(list(design.values.values())),
+            value=tolerance(design, scatter, samples=samples).band.high,
+        )
+
     def _refined(self, parts: Parts, geometry: Mapping[str, float], solution: Solution, excess: float) -> Refined:
         energy = storage(parts.balancers, self.states)
         place = {unknown.name: value for unknown, value in zip(solution.program.unknowns, solution.theta, strict=True)}
         stored = energy.at(np.array([place[unknown.name] for unknown in energy.unknowns])).sum(axis=-1)
-        return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)))
+        return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)), place)
 
 
-def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[int]:
-    """Candidates that best join parts already refined, whose own unknowns stay free."""
-    total = effort(collection.scene.ground.mechanism, refined.parts.balancers, collection.scene.states)
-    columns = collection.scene.counted(np.moveaxis(total.A, -1, 0)).T
+def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[tuple[int, float]]:
+    """Candidates that best join parts already refined, whose own unknowns stay free, and the share of their most."""
+    scene = collection.scene
+    total = effort(scene.ground.mechanism, refined.parts.balancers, scene.states)
+    columns = scene.counted(np.moveaxis(total.A, -1, 0)).T
+    fixed = scene.counted(total.b - scene.states.holding)
     size = np.maximum(2.0 * np.abs(refined.theta), 1e-12)
     there = Batch("there", columns, None, size, np.arange(len(size)), _never)
     dictionary = replace(collection.dictionary, batches=(*collection.dictionary.batches, there))
     first = len(collection.dictionary)
-    search = Search.of(dictionary.compress(emphasis), dictionary.spots)
-    value = search.extended(tuple(range(first, first + len(size))))[:first]
+    members = tuple(range(first, first + len(size)))
+    search = Search.of(dictionary.compress(emphasis, fixed), dictionary.spots)
+    value = search.extended(members)[:first]
     order = np.argsort(value, kind="stable")[:count]
-    return [int(index) for index in order if np.isfinite(value[index])]
+    return [
+        (int(index), float(search.solve((*members, int(index)))[1][-1])) for index in order if np.isfinite(value[index])
+    ]
 
 
 def _never(index: int, name: str) -> Proposal:

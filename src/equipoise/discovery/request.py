@@ -9,6 +9,7 @@ from typing import Literal
 from equipoise.discovery.kinds import Ideal, Kind
 from equipoise.discovery.lattice import KeepOut
 from equipoise.errors import InputError
+from equipoise.parts.makeable import Makeable
 from equipoise.units import Length
 
 
@@ -24,7 +25,9 @@ class Discover:
     sides where bodies are avoided). avoid forbids lines that run into the capsules about `bodies`, or pass joint
     `axes` at some pose; radius, m, is that of capsules drawn where no collision shape is found. candidates is the most
     couples of points, poses the most poses of the search, contenders how many subsets per number of springs are
-    refined. Raises InputError for counts below 1 and lengths that are not positive.
+    refined. make asks for springs that can be wound: of every coil and cable (which an ideal spring becomes) wire,
+    diameter, coils and initial tension are found and rounded. Raises InputError for counts below 1 and lengths that
+    are not positive.
     """
 
     springs: int = 3
@@ -41,6 +44,13 @@ class Discover:
     candidates: int = 4000
     poses: int = 1000
     contenders: int = 3
+    make: Makeable | None = None
+
+    @property
+    def tried(self) -> tuple[Kind, ...]:
+        """The kinds as they are tried: of what can be wound where that is asked for."""
+        make = self.make
+        return self.kinds if make is None else tuple(dict.fromkeys(kind.made(make) for kind in self.kinds))
 
     def avoids(self, what: str) -> bool:
         """Whether `bodies` or `axes` are avoided."""

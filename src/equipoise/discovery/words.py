@@ -7,7 +7,7 @@ from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.front import Alternative, Bound, Discovery
 from equipoise.interference.findings import clash_words
-from equipoise.reporting import phrases
+from equipoise.reporting import limitwords, phrases
 from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
 from equipoise.reporting.numbers import percent, plain, quantity, shown, sig
 from equipoise.reporting.tolerance import tolerance_words
@@ -34,7 +34,7 @@ def summary(front: Discovery) -> str:
         f"{sweep.describe()}"
     )
     lines += front_table(front)
-    for label, words in (*_told(front), *_looked(front)):
+    for label, words in (*told(front), *_looked(front)):
         lines += labelled(label, words)
     for index in range(len(front.designs)):
         lines += ["", *_design(front, index)]
@@ -49,12 +49,15 @@ def summary(front: Discovery) -> str:
 def front_table(front: Discovery) -> list[str]:
     """One line per number of parts: what is added, what is left of the objective, and what holds it there."""
     unit = shown(0.0, front.unit)[1]
-    head = ["mass added", f"{front.aim.norm} [{unit}]", "of before", "limited by"]
-    body = [["-", number(front, front.before), "100 %", ""]]
+    known = bool(front.highs)
+    band = [f"95 % [{unit}]"] if known else []
+    head = ["mass added", f"{front.aim.norm} [{unit}]", "of before", *band, "limited by"]
+    body = [["-", number(front, front.before), "100 %", *([""] if known else []), ""]]
     for index, (design, value) in enumerate(zip(front.designs, front.values, strict=True)):
         mass = quantity(design.added_mass, "kg", 3) if design.added_mass > 0 else "-"
         mark = "; meets the target" if front.aim.target is not None and not design.missed else ""
-        body.append([mass, number(front, value), share(front, value), limited_words(front, index) + mark])
+        high = [number(front, front.highs[index])] if known else []
+        body.append([mass, number(front, value), share(front, value), *high, limited_words(front, index) + mark])
     names = ["no parts", *(counted(len(design.balancers)) for design in front.designs)]
     return table(names, head, body)
 
@@ -89,17 +92,17 @@ def limited_words(front: Discovery, index: int) -> str:
             return f"floor: {bound.row}'s own load" if bound.cause == "own" else f"floor: the payload at {bound.row}"
     for floor in design.certificate.floors:
         return f"{floor.row}, which no part reaches" if floor.cause == "own" else f"the payload at {floor.row}"
-    dear = [active for active in design.certificate.active if not phrases.is_natural(active)]
-    return phrases.limit_words(dear[0].limit) if dear else "number and kind of the parts"
+    dear = [active for active in design.certificate.active if not limitwords.is_natural(active)]
+    return limitwords.limit_words(dear[0].limit) if dear else "number and kind of the parts"
 
 
-def _told(front: Discovery) -> list[tuple[str, str]]:
-    """The target and the floors."""
+def told(front: Discovery) -> list[tuple[str, str]]:
+    """The target and the floors, each with its label."""
     lines = []
     if front.aim.target is not None:
         met = not front.designs[front.recommended].missed
         with_ = counted(len(front.designs[front.recommended].balancers))
-        asked = quantity(front.aim.target, front.unit)
+        asked = quantity(front.aim.target, front.unit) + (", 95 % value" if front.aim.judged == "band" else "")
         lines.append(("target", f"{asked}: {f'met with {with_}' if met else 'missed'}"))
     matter, faint = floors(front)
     lines += [("floor", bound_words(bound)) for bound in matter]
@@ -124,8 +127,13 @@ def _looked(front: Discovery) -> list[tuple[str, str]]:
     removed = [f"{count} ({reason})" for reason, count in front.refused.items() if count]
     lines = [("looked at", words), *([("left out", ", ".join(removed))] if removed else [])]
     lines += [("note", note) for note in front.notes]
-    few = "what lost is told with its value over the few poses of the refinement, designs with theirs over all"
-    return [*lines, *([("note", few)] if front.alternatives else [])]
+    return [*lines, *([("note", few_words(front))] if front.alternatives else [])]
+
+
+def few_words(front: Discovery) -> str:
+    """What the values of choices that lost are."""
+    value = "its 95 % value" if front.aim.judged == "band" else "its value"
+    return f"what lost is told with {value} over the few poses of the refinement, designs with theirs over all"
 
 
 def _design(front: Discovery, index: int) -> list[str]:
@@ -138,7 +146,7 @@ def _design(front: Discovery, index: int) -> list[str]:
     )  # fmt: skip
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
         lines += part_lines(part, balancer, design)
-    for words in phrases.limited_by(design)[:3]:
+    for words in limitwords.limited_by(design)[:3]:
         lines += labelled("limited by", words)
     for words in clash_words(front.clashes[index]) if front.clashes else ():
         lines += labelled("clashes", words)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,7 +15,11 @@ from equipoise.balancers.paths import Cam, SliderCrank
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.families.site import Site
+from equipoise.friction import Friction
+from equipoise.objective import Aim
 from equipoise.parameters import tag
+from equipoise.rubbing import drags
+from equipoise.scattering import Scatter, tolerance
 from equipoise.states import States
 from equipoise.swept import swept_box
 
@@ -28,6 +32,16 @@ springs, at 700 and 1000 MPa."""
 MOST = {"gas": 200e5, "hydro_pneumatic": 350e5}
 """Pressures, Pa, that cylinders and accumulators one can buy stand."""
 UNUSED = 1e-9
+SPECIMENS = 10_000
+"""Specimens from which the 95 % value is read."""
+
+
+@dataclass(frozen=True)
+class Chance:
+    """What is not as drawn: how far parts and robot may be off, and how much they rub."""
+
+    scatter: Scatter = field(default_factory=Scatter)
+    friction: Friction = field(default_factory=Friction)
 
 
 @dataclass(frozen=True)
@@ -44,9 +58,11 @@ class Facts:
     torque: float
     room: tuple[float, float, float]
     pin: float | None
+    friction: float | None
+    high: float
 
 
-def facts(design: Design, site: Site, motion: States) -> Facts:
+def facts(design: Design, site: Site, motion: States, chance: Chance) -> Facts:
     """Judge a design at a joint: residual over its sweep, everything else of its parts, torque over a motion."""
     row = design.after[site.joint]
     column = design.mechanism.driven.index(site.joint)
@@ -76,7 +92,23 @@ def facts(design: Design, site: Site, motion: States) -> Facts:
         float(np.sqrt(weight @ moving**2)),
         _room(design),
         max(pins, default=None),
+        _friction(design, springs, column, chance.friction),
+        _high(design, site, chance.scatter),
     )
+
+
+def _friction(design: Design, springs: Sequence[Spring], column: int, friction: Friction) -> float | None:
+    """The largest friction torque of all springs at the joint; None without springs."""
+    if not springs:
+        return None
+    total = sum(drags(spring, design.states, design.values, friction)[:, column] for spring in springs)
+    return float(np.max(total))
+
+
+def _high(design: Design, site: Site, scatter: Scatter) -> float:
+    """The 95 % value of the joint's own norm under scatter."""
+    aim = Aim(norm=next(aim.norm for aim in design.objective if aim.cap is None), joints=(site.joint,))
+    return tolerance(replace(design, objective=(aim,)), scatter, samples=SPECIMENS).band.high
 
 
 def bare_torque(site: Site, motion: States) -> float:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.balancers.paths import Cable, Line, Pulley
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.interference.axes import passed
-from equipoise.limits.avoid import rooms
+from equipoise.limits.avoid import rooms, runs
 from equipoise.reporting.numbers import quantity
 
 AT_MOST = 4096
@@ -40,7 +38,7 @@ def clashes(design: Design, radius: float | None = None) -> tuple[Clash, ...]:
     for spring in design.balancers:
         room: dict[str, Array] = {}
         passes: dict[str, None] = {}
-        for line in lines(spring) if isinstance(spring, Spring) else ():
+        for line in runs(spring) if isinstance(spring, Spring) else ():
             for body, clear in rooms(states, line, radius):
                 room[body] = np.minimum(room.get(body, clear), clear)
             ends = [np.array([point.at], dtype=float) for point in (line.a, line.b)]
@@ -71,13 +69,3 @@ def clash_words(found: Sequence[Clash]) -> list[str]:
 
 def _often(share: float) -> str:
     return "at all poses" if share == 1 else f"at {quantity(100 * share, '', 2)} % of the poses"
-
-
-def lines(spring: Spring) -> tuple[Line, ...]:
-    """The straight runs of a spring or its cable between bodies that differ; pulleys count by their centres."""
-    if isinstance(spring.path, Line):
-        return (spring.path,)
-    if not isinstance(spring.path, Cable):
-        return ()
-    points = [item.centre if isinstance(item, Pulley) else item for item in spring.path.through]
-    return tuple(Line(a, b) for a, b in pairwise(points) if a.body != b.body)

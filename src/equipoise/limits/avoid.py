@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
 from equipoise import units
 from equipoise.affine import Array
-from equipoise.balancers.paths import Line
+from equipoise.balancers.paths import Cable, Line, Pulley
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.interference import closest, shell
+from equipoise.interference.axes import ways
 from equipoise.limits.limit import Setting
 from equipoise.mechanism import Mechanism, Point
 from equipoise.solve.program import Rows
@@ -22,27 +25,47 @@ from equipoise.states import States
 class Avoid:
     """A spring's line stays at least `gap`, m, outside of the capsules about the links, at every state.
 
-    Capsules are fitted to the robot's collision STL or OBJ where the files are found, else drawn joint to joint with
-    `radius`, m (default: 4 % of the mechanism's size). A hook's own link does not count where the hook lies in its
-    capsule. The geometry alone decides. Raises InputError for a spring that is no straight line.
+        |p(q, s) - c(q, t)| >= radius + gap
+
+    p on the spring, c on a capsule's axis, at the places of least distance. Of a cable every run between bodies that
+    move against each other counts, by the centres of its pulleys. Capsules are fitted to the robot's collision STL or
+    OBJ where the files are found, else drawn joint to joint with `radius`, m (default: 4 % of the mechanism's size). A
+    hook's own link does not count where the hook lies in its capsule. what says what is kept clear of: `bodies`, the
+    `axes` of the hinges between the ends (the line, seen along an axis, does not meet it), or `both`. The geometry
+    alone decides. Raises InputError for a spring that is neither a straight line nor a cable.
     """
 
     spring: str
     radius: units.Length | None = None
     gap: units.Length = 0.0
+    what: Literal["bodies", "axes", "both"] = "bodies"
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
-        """radius + gap - distance <= 0, one row per state and capsule."""
+        """radius + gap - distance <= 0, one row per state and capsule or axis."""
         spring = setting.find(self.spring, Spring, "avoid")
-        if not isinstance(spring.path, Line):
-            raise InputError(f"spring {self.spring} is no straight line", where="limit avoid")
+        if not isinstance(spring.path, Line | Cable):
+            raise InputError(f"spring {self.spring} is neither a straight line nor a cable", where="limit avoid")
         found = []
-        for name, clear in rooms(setting.states, spring.path, self.radius):
-            room = clear - self.gap
-            none = np.zeros((*room.shape, 0), dtype=room.dtype)
-            state = np.arange(room.shape[-1])
-            found.append(Rows(f"clearance of {self.spring} from {name}", "m", none, room, (), state, scale=0.1))
+        for line in runs(spring):
+            clear = rooms(setting.states, line, self.radius) if self.what != "axes" else []
+            if self.what != "bodies":
+                clear += [(f"the axis of {joint}", room) for joint, room in ways(setting.states, line).items()]
+            for name, room in clear:
+                left = room - self.gap
+                none = np.zeros((*left.shape, 0), dtype=left.dtype)
+                state = np.arange(left.shape[-1])
+                found.append(Rows(f"clearance of {self.spring} from {name}", "m", none, left, (), state, scale=0.1))
         return tuple(found)
+
+
+def runs(spring: Spring) -> tuple[Line, ...]:
+    """The straight runs of a spring or its cable between bodies that differ; pulleys count by their centres."""
+    if isinstance(spring.path, Line):
+        return (spring.path,)
+    if not isinstance(spring.path, Cable):
+        return ()
+    points = [item.centre if isinstance(item, Pulley) else item for item in spring.path.through]
+    return tuple(Line(a, b) for a, b in pairwise(points) if a.body != b.body)
 
 
 def rooms(states: States, line: Line, radius: float | None) -> list[tuple[str, Array]]:

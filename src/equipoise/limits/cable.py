@@ -40,7 +40,7 @@ class Tension(OverInterval):
     spring: str
     over: tuple[units.Length, units.Length]
     max: units.Force | None = None
-    min: units.Force | Sag | Any = None
+    min: units.Force | Sag | None = None
     samples: int | None = None
 
     def __post_init__(self) -> None:
@@ -72,12 +72,13 @@ class Tension(OverInterval):
     def outside(self, spring: Spring, values: Mapping[str, float], tolerance: float) -> Array:
         """Local worst lengths (M,) that leave the limits by more than tolerance times their size."""
         theta = np.array([values[unknown.name] for unknown in spring.unknowns])
+        low, high = straight(self.min, self.over), self.max
 
         def beyond(lengths: Array) -> Array:
             basis, known = _tension(spring, lengths)
             value = basis @ theta + known
-            below = np.full_like(value, -np.inf) if self.min is None else self.min - value
-            above = np.full_like(value, -np.inf) if self.max is None else value - self.max
+            below = np.full_like(value, -np.inf) if low is None else low - value
+            above = np.full_like(value, -np.inf) if high is None else value - high
             return np.maximum(below, above)
 
         grid = np.linspace(*self.over, FINE)
@@ -85,7 +86,7 @@ class Tension(OverInterval):
         peaks = np.flatnonzero((excess[1:-1] >= excess[:-2]) & (excess[1:-1] >= excess[2:]))
         worst = _climb(beyond, grid[np.maximum(peaks - 1, 0)], grid[np.minimum(peaks + 1, FINE - 1)])
         found = np.concatenate([worst, grid[peaks]])
-        bounds = [abs(bound) for bound in (self.min, self.max) if bound]
+        bounds = [abs(bound) for bound in (low, high) if bound]
         return np.unique(found[beyond(found) > tolerance * (min(bounds) if bounds else 1.0)])
 
 

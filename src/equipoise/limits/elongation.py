@@ -13,7 +13,7 @@ from equipoise.balancers.laws import Coil
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.limits.limit import Setting
-from equipoise.parts import CompressionSpring, ExtensionSpring, StockSpring
+from equipoise.parts import CompressionSpring, ExtensionSpring, StockSpring, WindableSpring
 from equipoise.parts.part import StraightPart
 from equipoise.solve.program import Rows
 
@@ -66,7 +66,7 @@ class Extension:
 
 def _coil(setting: Setting, name: str, limit: str) -> Spring:
     spring = setting.find(name, Spring, limit)
-    if not isinstance(spring.law, Coil | ExtensionSpring | CompressionSpring | StockSpring):
+    if not isinstance(spring.law, Coil | ExtensionSpring | CompressionSpring | StockSpring | WindableSpring):
         raise InputError(f"spring {name} is no coil, so it has no free length", where=f"limit {limit}")
     return spring
 

@@ -38,7 +38,7 @@ def sides(
     return tuple(rows)
 
 
-def straight(least: Any, over: Any) -> Any:
+def straight(least: float | Sag | None, over: tuple[float, float] | None) -> float | None:
     """A least force as a number: a `Sag` is turned into the force that keeps a cable that straight."""
     if not isinstance(least, Sag):
         return least

@@ -18,6 +18,7 @@ from equipoise.limits import curve
 from equipoise.limits.limit import Setting
 from equipoise.limits.realisable import room
 from equipoise.limits.sides import path_unit, scale_of, sides, straight
+from equipoise.limits.winding import winding
 from equipoise.parts.part import Part
 from equipoise.sag import Sag
 from equipoise.solve.program import Rows
@@ -159,6 +160,7 @@ def implied(balancers: Iterable[object], setting: Setting) -> tuple[Rows, ...]:
             rows += _span(balancer, setting)
             rows += _needs(balancer, setting)
             rows += _making(balancer)
+            rows += winding(balancer, setting)
         elif isinstance(balancer, Counterweight) and balancer.reach is not None:
             rows += room(balancer) if balancer.second else _reach(balancer)
     return tuple(rows)

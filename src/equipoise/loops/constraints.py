@@ -59,10 +59,7 @@ class Connect:
 
     def points(self, pose: Pose) -> list[Array]:
         """Where each body holds the shared point, (N, 3) twice."""
-        return [
-            pose.xpos[:, body] + pose.xmat[:, body] @ anchor
-            for body, anchor in zip(self.bodies, self.anchors, strict=True)
-        ]
+        return [pose.point(body, anchor) for body, anchor in zip(self.bodies, self.anchors, strict=True)]
 
     def rows(self, pose: Pose) -> tuple[Array, Array]:
         """p1 - p2 (N, 3), m, and its Jacobian (N, 3, nv)."""

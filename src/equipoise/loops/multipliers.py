@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from equipoise.affine import Array
-from equipoise.loops.close import branch_of, evaluator_of
+from equipoise.loops.close import branch_of
 from equipoise.loops.constraints import Equality, residual
+from equipoise.loops.posture import Pose
 from equipoise.loops.walk import Loop
 
 if TYPE_CHECKING:
@@ -56,11 +57,11 @@ class LoopJacobian:
         return left[:, :, rank:] * self.loop.rows[:, None]
 
 
-def constraint_jacobian(mechanism: Mechanism, q: Array) -> LoopJacobian | None:
-    """The loop equations' Jacobian at closed postures q (N, nq); None without loops."""
+def constraint_jacobian(mechanism: Mechanism, postures: Pose) -> LoopJacobian | None:
+    """The loop equations' Jacobian at closed postures; None without loops."""
     branch = branch_of(mechanism)
     if branch is None:
         return None
     loop = branch.loop
-    _, jacobian = residual(loop.equalities, evaluator_of(mechanism)(q))
+    _, jacobian = residual(loop.equalities, postures)
     return LoopJacobian(loop, jacobian * (loop.rows[:, None] * loop.columns))

@@ -28,6 +28,13 @@ class Pose:
     ten_length: Array
     ten_J: Array
 
+    def point(self, body: int, local: Array) -> Array:
+        """World place (N, 3) of a body's point."""
+        place = self.xpos[:, body]
+        for axis in np.flatnonzero(local):
+            place = place + local[axis] * self.xmat[:, body, :, axis]
+        return place
+
 
 class Evaluator:
     """Evaluates poses on all cores; keeps one batch that grows with the largest request."""
@@ -47,7 +54,6 @@ class Evaluator:
         self._batch.forward(ids=np.arange(count, dtype=np.int32), stage=int(mujoco.mjtStage.mjSTAGE_POS))
         xpos, xmat, xquat, com, cdof = (field[:count] for field in self._fields)
         model = self.model
-        lengths = self._ten_length[:count] if model.ntendon else np.zeros((count, 0))
         return Pose(
             q=q,
             xpos=xpos,
@@ -55,8 +61,8 @@ class Evaluator:
             xquat=xquat,
             com=com[:, model.body_rootid],
             cdof=cdof.reshape(count, -1, 6),
-            ten_length=lengths,
-            ten_J=self._dense_tendons(count),
+            ten_length=self._ten_length[:count] if model.ntendon else np.zeros((count, 0)),
+            ten_J=dense_tendons(model, self._ten_J[:count]) if model.ntendon else np.zeros((count, 0, model.nv)),
         )
 
     def _grow(self, size: int) -> None:
@@ -67,14 +73,14 @@ class Evaluator:
         if self.model.ntendon:
             self._ten_length, self._ten_J = self._batch.bind("ten_length"), self._batch.bind("ten_J")
 
-    def _dense_tendons(self, count: int) -> Array:
-        model = self.model
-        dense = np.zeros((count, model.ntendon, model.nv))
-        for tendon in range(model.ntendon):
-            start, number = model.ten_J_rowadr[tendon], model.ten_J_rownnz[tendon]
-            columns = model.ten_J_colind[start : start + number]
-            dense[:, tendon, columns] = self._ten_J[:count, start : start + number]
-        return dense
+
+def dense_tendons(model: mujoco.MjModel, sparse: Array) -> Array:
+    """Tendon Jacobians (N, ntendon, nv) from MuJoCo's sparse rows (N, nnz)."""
+    dense = np.zeros((len(sparse), model.ntendon, model.nv))
+    for tendon in range(model.ntendon):
+        start, number = model.ten_J_rowadr[tendon], model.ten_J_rownnz[tendon]
+        dense[:, tendon, model.ten_J_colind[start : start + number]] = sparse[:, start : start + number]
+    return dense
 
 
 def ancestors(model: mujoco.MjModel, body: int) -> list[int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -9,32 +10,32 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import InputError
-from equipoise.loops.close import branch_of, evaluator_of
+from equipoise.loops.close import branch_of
 from equipoise.loops.constraints import Connect, Couple, Equality, Weld
 from equipoise.loops.posture import Pose, ancestors, cross, quat_product
 
 if TYPE_CHECKING:
     from equipoise.mechanism import Mechanism
 
-_CHUNK = 16384
+_CHUNK = 1024  # postures whose Jacobians stay in the processor's cache
 
 
-def accelerations(mechanism: Mechanism, q: Array, velocity: Array, cdof_dot: Array, start: Array) -> Array:
+def accelerations(mechanism: Mechanism, postures: Pose, velocity: Array, cdof_dot: Array, start: Array) -> Array:
     """Accelerations (N, nv) of all joints that keep the loops closed.
 
         J qacc = -Jdot qvel,   qacc = start + J_dep^+ (-Jdot qvel - J start)
 
-    q (N, nq) are closed postures, velocity (N, nv) keeps them closed, cdof_dot (N, nv, 6) are the rates of the
+    postures are N closed ones, velocity (N, nv) keeps them closed, cdof_dot (N, nv, 6) are the rates of the
     motion axes; start (N, nv) carries the driven joints' accelerations and is corrected in the dependent joints.
     """
     branch = branch_of(mechanism)
     if branch is None:
         return start
-    loop, evaluate = branch.loop, evaluator_of(mechanism)
+    loop = branch.loop
     found = start.copy()
-    for first in range(0, len(q), _CHUNK):
+    for first in range(0, len(start), _CHUNK):
         part = slice(first, first + _CHUNK)
-        pose = evaluate(q[part])
+        pose = Pose(*(getattr(postures, field.name)[part] for field in fields(Pose)))
         jacobian = np.concatenate([item.rows(pose)[1] for item in loop.equalities], axis=1)
         drift = np.concatenate([_drift(item, pose, velocity[part], cdof_dot[part]) for item in loop.equalities], axis=1)
         jacobian, drift = jacobian * (loop.rows[:, None] * loop.columns), drift * loop.rows

@@ -27,7 +27,7 @@ from equipoise.loops.close import (
 )
 from equipoise.loops.constraints import Couple
 from equipoise.loops.messages import blocked_way
-from equipoise.loops.posture import Evaluator
+from equipoise.loops.posture import Evaluator, qpos_width
 from equipoise.loops.roadmap import Blocked
 from equipoise.loops.walk import CLOSED, TURN, Closed, turn, walk
 
@@ -37,6 +37,9 @@ if TYPE_CHECKING:
 
 STRIDE = 0.15  # rad or characteristic lengths of driven motion between two knots
 FINE = 4001  # instants that the way is measured on
+RELAY = 8  # of so many instants the first is closed before the others
+MANY = 400  # instants from which on relays pay
+NEAR = 8  # relays that one polynomial goes through
 _CHUNK = 16384
 _known: weakref.WeakKeyDictionary[Motion, tuple[weakref.ref[Mechanism], Knots]] = weakref.WeakKeyDictionary()
 
@@ -51,14 +54,15 @@ class Knots:
     closed: Closed
 
 
-def close_motion(mechanism: Mechanism, motion: Motion, time: Array) -> tuple[Array, Array]:
+def close_motion(mechanism: Mechanism, motion: Motion, time: Array, driven: Array) -> tuple[Array, Array]:
     """Postures (N, nq) with closed loops at instants (N,) of a motion, and D (N or 1, nv, nd) = dq/dq_driven.
 
+    driven (N, nd) are the driven positions at these instants.
     The first posture is reached from the reference, which names the branch; from there the motion is followed in
     order of time, and no walk crosses a singularity. Raises LoopError with the time and the driven positions at
     which the loops do not close or become singular.
     """
-    driven = checked(mechanism, motion.at(time)[0])
+    driven = checked(mechanism, driven)
     try:
         branch = branch_of(mechanism)
     except LoopError as error:
@@ -121,13 +125,19 @@ def _closed(
 ) -> Closed:
     """Postures closed to rounding at driven positions (M, nd) of instants (M,).
 
-    Guessed between the knots and closed at once; a posture that does not obey what a step of a walk must obey is
-    walked to from the knot before it.
+    Guessed between the knots and closed at once; of many instants the relays first, the others from polynomials
+    through these, so good that one linearisation is enough. A posture that does not obey what a step of a walk must
+    obey is walked to from the knot before it.
     """
     wanted, instants = goal
     loop, places = branch.loop, mechanism.model.jnt_qposadr[mechanism.driven_ids]
     parent = np.clip(np.searchsorted(knots.time, instants, side="right") - 1, 0, len(knots.time) - 1)
-    guess = _guessed(branch, knots, parent, instants)
+    if len(instants) >= MANY:
+        some = np.unique(np.r_[0 : len(instants) : RELAY, len(instants) - 1])
+        relays = _closed(mechanism, branch, evaluate, knots, (wanted[some], instants[some]))
+        guess = _relayed(branch, instants[some], relays.q, instants)
+    else:
+        guess = _guessed(branch, knots, parent, instants)
     if guess is None:
         late, closed = np.arange(len(instants)), knots.closed.rows(parent)
     else:
@@ -163,6 +173,27 @@ def _guessed(branch: Branch, knots: Knots, parent: NDArray[np.int_], time: Array
     guess[:, places] = (
         (1 + 2 * s) * (1 - s) ** 2 * a + s * (1 - s) ** 2 * va + s**2 * (3 - 2 * s) * b - s**2 * (1 - s) * vb
     )
+    return guess
+
+
+def _relayed(branch: Branch, since: Array, closed: Array, time: Array) -> Array:
+    """Postures (M, nq) by polynomials in time through the NEAR closest of closed ones (K, nq), in barycentric form."""
+    model = branch.loop.model
+    first = np.clip(np.searchsorted(since, time) - NEAR // 2, 0, len(since) - NEAR)
+    sets = np.arange(len(since) - NEAR + 1)[:, None] + np.arange(NEAR)
+    nodes = since[sets]
+    gaps = (nodes[:, :, None] - nodes[:, None]) / np.ptp(nodes, axis=1)[:, None, None] + np.eye(NEAR)
+    away = time[:, None] - nodes[first]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = 1.0 / gaps.prod(axis=2)[first] / away
+        share /= share.sum(axis=1, keepdims=True)
+    share = np.where((away == 0.0).any(axis=1, keepdims=True), away == 0.0, share)
+    guess = np.einsum("mk,mkq->mq", share, closed[sets][first])
+    for joint in np.unique(model.dof_jntid[branch.loop.dependent]):
+        width, place = qpos_width(model, joint), model.jnt_qposadr[joint]
+        if width > 1:
+            quaternion = guess[:, place + width - 4 : place + width]
+            quaternion /= np.linalg.norm(quaternion, axis=1, keepdims=True)
     return guess
 
 

@@ -16,6 +16,7 @@ Flags = NDArray[np.bool_]
 STEP = 0.2  # largest motion of any joint in one step, rad or characteristic lengths
 SMALLEST = 1e-6  # a step that must be shorter than this runs into a wall
 CLOSED = 1e-9  # residual that a step leaves; the final posture is refined to rounding
+SHORT = 1e-13  # a step that leaves Jacobians as they are, within their rounding
 CLEAR = 10.0  # margins above which a bound of the singular value is enough
 TURN = 0.9  # below 1 the chord between two Jacobians meets no singular one
 
@@ -100,7 +101,7 @@ class Loop:
     def newton(self, evaluate: Evaluator, q: Array, *, goal: float, turns: int, stride: float = 0.5) -> Closed:
         """Newton's steps of the dependent dofs until every residual is below goal, or turns are used up.
 
-        No step is longer than stride.
+        No step is longer than stride. After one that is shorter than SHORT the residual is what the Jacobian foretells.
         """
         closed = self.linearise(evaluate, q)
         for _ in range(turns):
@@ -111,7 +112,12 @@ class Loop:
             step = -(now.inverse @ now.error[:, :, None])[..., 0]
             longest = np.abs(step).max(axis=1, keepdims=True)
             step *= np.minimum(1.0, stride / np.maximum(longest, 1e-300))
-            closed.put(late, self.linearise(evaluate, self.move(now.q, step, self.dependent)))
+            moved = self.move(now.q, step, self.dependent)
+            short = longest[:, 0] < SHORT
+            closed.q[late], closed.error[late] = moved, now.error + (now.slope @ step[:, :, None])[..., 0]
+            if short.all():
+                break
+            closed.put(late[~short], self.linearise(evaluate, moved[~short]))
         return closed
 
 

@@ -8,16 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from equipoise.affine import Array, Block
+from equipoise.affine import Array
 from equipoise.assemble import Balancer, settled
-from equipoise.design import Row
+from equipoise.balancers.counter_rotor import CounterRotor
 from equipoise.loops import constraint_jacobian
 from equipoise.loops.constraints import Connect, Weld
 from equipoise.machinery.loosened import beyond, carried_bodies, is_bearing, loosen, own_loads
-from equipoise.machinery.norms import rows_of
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
-from equipoise.sweep import Sweep
 
 _CHUNK = 4096
 _SEEN = 1e-7
@@ -71,37 +69,27 @@ def bearing_forces(
 
     F_beyond (3,) is what moves and holds all that lies beyond a bearing, f the generalised force of each joint in
     the mechanism without its loops, J the loop equations' Jacobian, B its part in the bearing's separation. Along a
-    driven slide R holds the motor's force too. A gear mesh is counted as a pure torque. values {name: SI value} are
+    driven slide R holds the motor's force too. The teeth of a counter-rotor's gears push on the bearing of the body
+    that drives it; belts and pairs of gears on one carrier count as pure torques. values {name: SI value} are
     those of the balancers' unknowns. Raises InputError for states at rest.
     """
-    fixed, values = settled(balancers, values or {}), values or {}
-    parts = [_forces(states.take(slice(i, i + _CHUNK)), fixed, values) for i in range(0, len(states), _CHUNK)]
-    return BearingForces(named(states), np.concatenate(parts))
+    return BearingForces(named(states), forces_between(states, balancers, values or {}))
 
 
-def bearing_rows(
-    mechanism: Mechanism, sweep: Sweep, states: States, balancers: Sequence[Balancer], values: Mapping[str, float]
-) -> dict[str, Row]:
-    """|F| in every bearing and pin over a motion: norms over time, peaks found between the instants."""
-    names = [bearing.name for bearing in named(states)]
-
-    def account(other: States) -> Array:
-        return bearing_forces(other, balancers, values).magnitude
-
-    return rows_of(mechanism, sweep, states, [Block(name, "N") for name in names], account)
-
-
-def _forces(states: States, balancers: Sequence[Balancer], values: Mapping[str, float]) -> Array:
-    """Forces (N, B, 3) in the order of `named`."""
-    model = states.mechanism.model
+def forces_between(states: States, balancers: Sequence[Balancer], values: Mapping[str, float]) -> Array:
+    """Forces (N, B, 3) in the order of `named`, as `bearing_forces` tells them."""
+    mechanism, model = states.mechanism, states.mechanism.model
     total = own_loads(states)
-    loose = loosen(states) if balancers else states
+    if balancers:
+        fixed, parts = settled(balancers, values), [slice(i, i + _CHUNK) for i in range(0, len(states), _CHUNK)]
+        total = total + np.concatenate([_added(loosen(states.take(part)), fixed, values) for part in parts])
+    held = total[:, model.nv :].reshape(len(states), -1, 3).copy()
     for balancer in balancers:
-        share = balancer.effort(loose, "drive")
-        total = total + share.at(np.array([values[unknown.name] for unknown in share.unknowns]))
-    held = total[:, model.nv :].reshape(len(states), -1, 3)
+        teeth = balancer.pushed(states, values) if isinstance(balancer, CounterRotor) else None
+        if teeth is not None:
+            held[:, list(carried_bodies(model)).index(teeth[0])] += teeth[1]
     kept = np.array([is_bearing(model, int(body)) for body in carried_bodies(model)], dtype=bool)
-    loop = constraint_jacobian(states.mechanism, states.kin.q)
+    loop = constraint_jacobian(mechanism, states.kin)
     if loop is None:
         return held[:, kept]
     tension, _ = loop.multipliers(total[:, : model.nv])
@@ -118,10 +106,20 @@ def _forces(states: States, balancers: Sequence[Balancer], values: Mapping[str, 
     return np.concatenate([held[:, kept], *[pin[:, None] for pin in pins]], axis=1)
 
 
+def _added(loose: States, balancers: Sequence[Balancer], values: Mapping[str, float]) -> Array:
+    """What balancers ask for in all coordinates (N, nv + 3 K) of loosened states."""
+    total = np.zeros_like(loose.driven)
+    for balancer in balancers:
+        share = balancer.effort(loose, "drive")
+        total = total + share.at(np.array([values[unknown.name] for unknown in share.unknowns]))
+    return total
+
+
 def named(states: States) -> tuple[Bearing, ...]:
     """Bearings of the bodies' own joints, then the pins of loops, with the directions that stay open."""
     mechanism, model = states.mechanism, states.mechanism.model
-    after, loop = beyond(model), constraint_jacobian(mechanism, states.kin.q[:: max(1, len(states) // 8)])
+    some = slice(None, None, max(1, len(states) // 8))
+    after, loop = beyond(model), constraint_jacobian(mechanism, states.kin.take(some))
     found: list[Bearing] = []
     open_rows = np.zeros((0, 0, 0)) if loop is None else loop.open_rows()
     equalities = [] if loop is None else loop.equalities

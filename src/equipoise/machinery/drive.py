@@ -11,10 +11,9 @@ import numpy as np
 from equipoise.affine import Array, Block
 from equipoise.assemble import Balancer, settled
 from equipoise.balancers.spring import Spring
-from equipoise.design import Row
-from equipoise.machinery.norms import rows_of
 from equipoise.mechanism import Mechanism
 from equipoise.momentum import bare_drive
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
@@ -108,22 +107,27 @@ def effort_parts(states: States, balancers: Sequence[Balancer], values: Mapping[
     return parts
 
 
-def drives(
-    mechanism: Mechanism, sweep: Sweep, states: States, balancers: Sequence[Balancer], values: Mapping[str, float]
-) -> dict[str, Drive]:
-    """What each motor does over a motion."""
+def drive_blocks(mechanism: Mechanism) -> list[Block]:
+    """What is told of every motor: its effort, the parts of it, its power."""
     joints, units = mechanism.driven, mechanism.driven_units
-
-    def sizes(other: States) -> Array:
-        parts = effort_parts(other, balancers, values)
-        power = sum(parts.values()) * other.moving.driven_velocity
-        return np.abs(np.concatenate([sum(parts.values()), *parts.values(), np.maximum(power, 0.0)], axis=1))
-
     names = [f"{what} {joint}" for what in ("effort", *PARTS, "power") for joint in joints]
     every = [*units * (1 + len(PARTS)), *["W"] * len(joints)]
-    blocks = [Block(name, unit) for name, unit in zip(names, every, strict=True)]
-    rows = rows_of(mechanism, sweep, states, blocks, sizes)
-    work = supplies(sweep, states, balancers, values)
+    return [Block(name, unit) for name, unit in zip(names, every, strict=True)]
+
+
+def drive_sizes(states: States, parts: Mapping[str, Array]) -> Array:
+    """Magnitudes (N, R) of the drive's blocks from the parts of the effort; of power what the motor supplies."""
+    power = np.maximum(power_of(states, parts), 0.0)
+    return np.concatenate([np.abs(sum(parts.values())), *(np.abs(parts[part]) for part in PARTS), power], axis=1)
+
+
+def power_of(states: States, parts: Mapping[str, Array]) -> Array:
+    """Power (N, nd) of the motors, W."""
+    return sum(parts.values()) * states.moving.driven_velocity
+
+
+def drives(mechanism: Mechanism, rows: Mapping[str, Row], work: Mapping[str, Supply]) -> dict[str, Drive]:
+    """What each motor does over a motion, from the rows of its blocks."""
     return {
         joint: Drive(
             effort=rows[f"effort {joint}"],
@@ -131,41 +135,49 @@ def drives(
             power=rows[f"power {joint}"].peak,
             work=work.get(joint),
         )
-        for joint in joints
+        for joint in mechanism.driven
     }
 
 
-def supplies(
-    sweep: Sweep, states: States, balancers: Sequence[Balancer], values: Mapping[str, float]
-) -> dict[str, Supply]:
+def supplies(mechanism: Mechanism, sweep: Sweep, power: Array) -> dict[str, Supply]:
     """Energy that each motor supplies and takes back over a motion in time, and `all` of them on one supply.
 
-    The integral of the positive part of a quintic spline through the powers, between its roots.
+    The integral of the positive part of quintic splines through the powers (N, nd), W, between their roots; of several
+    payloads the one that asks for most.
     """
     instants = sweep.instants
     if instants is None or len(instants.time) < 4:
         return {}
     order = np.argsort(instants.time, kind="stable")
-    power = sum(effort_parts(states, balancers, values).values()) * states.moving.driven_velocity
     power = np.concatenate([power, power.sum(axis=1, keepdims=True)], axis=1)
     scenarios = power.reshape(len(sweep.scenarios), len(order), -1)[:, order]
-    found = {}
-    for column, name in enumerate((*states.mechanism.driven, "all")):
-        runs = [_split(instants.time[order], run[:, column]) for run in scenarios]
-        found[name] = max(runs, key=lambda run: run.positive)
-    return found
+    runs = [_split(instants.time[order], run) for run in scenarios]
+    names = (*mechanism.driven, "all")
+    return {name: max(column, key=_positive) for name, column in zip(names, zip(*runs, strict=True), strict=True)}
 
 
-def _split(time: Array, power: Array) -> Supply:
-    """The integrals of the positive and the negative part of a quintic spline through powers, W, at times, s."""
+def _positive(supply: Supply) -> float:
+    return supply.positive
+
+
+def _split(time: Array, power: Array) -> list[Supply]:
+    """The integrals of the positive and the negative parts of quintic splines through powers (N, k), W, at times, s."""
     from scipy.interpolate import make_interp_spline
 
     law = make_interp_spline(time, power, k=min(5, (len(time) - 2) // 2 * 2 + 1))
-    turns = np.flatnonzero(np.sign(power[1:]) * np.sign(power[:-1]) < 0)
-    low, high = time[turns], time[turns + 1]
+    turns, column = np.nonzero(np.sign(power[1:]) * np.sign(power[:-1]) < 0)
+    low, high, each = time[turns], time[turns + 1], np.arange(len(turns))
+    ahead = power[turns, column]
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        same = law(middle) * law(low) > 0
+        same = law(middle)[each, column] * ahead > 0
         low, high = np.where(same, middle, low), np.where(same, high, middle)
-    pieces = np.diff(law.antiderivative()(np.unique(np.concatenate([time, low]))))
-    return Supply(float(pieces[pieces > 0].sum()), float(-pieces[pieces < 0].sum()))
+    store = law.antiderivative()
+    whole, roots = store(time), store(low)[each, column]
+    found = []
+    for k in range(power.shape[1]):
+        here = column == k
+        places = np.concatenate([time, low[here]])
+        pieces = np.diff(np.concatenate([whole[:, k], roots[here]])[np.argsort(places, kind="stable")])
+        found.append(Supply(float(pieces[pieces > 0].sum()), float(-pieces[pieces < 0].sum())))
+    return found

@@ -13,7 +13,7 @@ from equipoise.affine import Array, Block
 from equipoise.loops import ancestors
 from equipoise.loops.posture import cross
 from equipoise.mechanism import Mechanism
-from equipoise.momentum import body_inertia, wrench
+from equipoise.momentum import beyond_sums, body_wrenches, joint_loads
 from equipoise.states import States
 
 _TRANSLATIONS = {int(mujoco.mjtJoint.mjJNT_SLIDE): 1, int(mujoco.mjtJoint.mjJNT_FREE): 3}
@@ -36,26 +36,17 @@ def own_loads(states: States) -> Array:
     lies beyond the bearing: the wrenches of the bodies, summed from the tips to the base.
     """
     mechanism, model, kin = states.mechanism, states.mechanism.model, states.kin
-    wrenches = np.zeros((len(states), model.nbody, 6))
-    for body in np.flatnonzero([states.carried(body) for body in range(model.nbody)]):
-        place = states.placement(model.body(body).name)
-        own = wrench(place, body_inertia(model, int(body))[None])[..., 0]
-        lift = -model.body_mass[body] * mechanism.gravity
-        centre = place.frame @ np.append(model.body_ipos[body], 1.0)
-        wrenches[:, body] = own + np.concatenate([np.broadcast_to(lift, centre.shape), np.cross(centre, lift)], axis=1)
+    lift = -model.body_mass[:, None] * mechanism.gravity
+    centre = kin.xpos + np.einsum("nbij,bj->nbi", kin.xmat, model.body_ipos)
+    wrenches = body_wrenches(states) + np.concatenate([np.broadcast_to(lift, centre.shape), cross(centre, lift)], -1)
     for point, mass in zip(states.payload_points, states.payload_mass.T, strict=True):
         lift = -mass[:, None] * mechanism.gravity
         moment = np.cross(states.point(point)[0], lift)
-        body = mechanism.body_id(point.body)
-        wrenches[:, body] += states.point_wrench(point, mass) + np.concatenate([lift, moment], axis=1)
-    for body in range(model.nbody - 1, 0, -1):  # parents come first
-        wrenches[:, model.body_parentid[body]] += wrenches[:, body]
-    held = wrenches[:, model.dof_bodyid]
-    centre = kin.com[:, model.dof_bodyid]
-    moment = held[..., 3:] - cross(centre, held[..., :3])
-    joints = (kin.cdof * np.concatenate([moment, held[..., :3]], axis=2)).sum(axis=2)
+        wrenches[:, mechanism.body_id(point.body)] += np.concatenate([lift, moment], axis=1)
+    held = beyond_sums(model, wrenches)
+    joints = joint_loads(states, held)
     joints += states.moving.acceleration * model.dof_armature - kin.spring - states.moving.damper
-    return np.concatenate([joints, wrenches[:, carried_bodies(model), :3].reshape(len(states), -1)], axis=1)
+    return np.concatenate([joints, held[:, carried_bodies(model), :3].reshape(len(states), -1)], axis=1)
 
 
 def carried_bodies(model: mujoco.MjModel) -> NDArray[np.int_]:
@@ -89,7 +80,7 @@ def loosen(states: States) -> States:
         bodies[body] = (linear, angular)
     joints = np.eye(model.nv, width)[None]
     driven = np.zeros((count, width))
-    return replace(states, mechanism=loose, driven=driven, D=joints, _bodies=bodies, _placements={}, _points={})
+    return replace(states, mechanism=loose, driven=driven, D=joints, _bodies=bodies, _points={})
 
 
 def is_bearing(model: mujoco.MjModel, body: int) -> bool:

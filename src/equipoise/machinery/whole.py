@@ -6,11 +6,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from equipoise.affine import Array, Block
 from equipoise.assemble import Balancer
-from equipoise.design import Row
-from equipoise.machinery.bearings import Bearing, bearing_rows, named
-from equipoise.machinery.drive import Drive, Supply, drives, supplies
+from equipoise.machinery.bearings import Bearing, forces_between, named
+from equipoise.machinery.drive import (
+    Drive,
+    Supply,
+    drive_blocks,
+    drive_sizes,
+    drives,
+    effort_parts,
+    power_of,
+    supplies,
+)
+from equipoise.machinery.norms import rows_of
 from equipoise.mechanism import Mechanism
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.sweep import Sweep
 
@@ -59,9 +72,24 @@ def machine(
     if sweep.instants is None:
         return None
     states, values = states or mechanism.states(sweep), values or {}
+    bearings = named(states)
+    names = [f"force in {bearing.name}" for bearing in bearings]
+
+    def parts(other: States) -> dict[str, Array]:
+        return effort_parts(other, balancers, values)
+
+    def sizes(other: States, split: Mapping[str, Array]) -> Array:
+        forces = np.linalg.norm(forces_between(other, balancers, values), axis=2)
+        return np.concatenate([drive_sizes(other, split), forces], axis=1)
+
+    split = parts(states)
+    blocks = [*drive_blocks(mechanism), *(Block(name, "N") for name in names)]
+    size = sizes(states, split)
+    rows = rows_of(mechanism, sweep, states, size, blocks, lambda other: sizes(other, parts(other)))
+    work = supplies(mechanism, sweep, power_of(states, split))
     return Machine(
-        drives=drives(mechanism, sweep, states, balancers, values),
-        supply=supplies(sweep, states, balancers, values).get("all"),
-        bearings=named(states),
-        forces=bearing_rows(mechanism, sweep, states, balancers, values),
+        drives=drives(mechanism, rows, work),
+        supply=work.get("all"),
+        bearings=bearings,
+        forces={bearing.name: rows[name] for bearing, name in zip(bearings, names, strict=True)},
     )

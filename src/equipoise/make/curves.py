@@ -13,7 +13,9 @@ from equipoise.balancers.laws import Law
 from equipoise.errors import InputError
 from equipoise.limits.curve import Pieces
 from equipoise.mechanism import Mechanism
-from equipoise.sweep import Payload, Sweep, held
+from equipoise.payload import Payload
+from equipoise.posefile import held
+from equipoise.sweep import Sweep
 from equipoise.units import Joint
 
 COUNT = 4001

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from equipoise import units
 from equipoise.make.cams import CamWithSpring, ConstantForceCam, DrumWithTorsion
 from equipoise.make.synthesis import Part, arm_cam, make_spring
-from equipoise.sweep import Payload
+from equipoise.payload import Payload
 from equipoise.units import Joint, Length, Number, Stiffness, TorsionRate
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -45,7 +46,7 @@ class Timed:
         """From start to end."""
         return np.array([[self.motion.start, self.motion.end]])
 
-    @property
+    @cached_property
     def rows(self) -> tuple[Array, Array, Array]:
         """The motion at the instants."""
         return self.motion.at(self.time)

@@ -7,6 +7,7 @@ from equipoise.parts.part import Clause, Fault, Part
 from equipoise.parts.stock import StockSpring
 from equipoise.parts.strip import ConstantForceSpring
 from equipoise.parts.torsion import TorsionSpring
+from equipoise.parts.windable import WindableSpring
 from equipoise.parts.wire import Grade, grade, grades, preferred_sizes
 
 PARTS: dict[str, type[Part]] = {
@@ -31,6 +32,7 @@ __all__ = [
     "Part",
     "StockSpring",
     "TorsionSpring",
+    "WindableSpring",
     "grade",
     "grades",
     "preferred_sizes",

@@ -16,6 +16,8 @@ HEAD = (
     "peak",
     "rms",
     "mean",
+    "95 %",
+    "friction",
     "rate",
     "energy J",
     "mass kg",
@@ -51,10 +53,15 @@ def headline(found: Comparison) -> str:
     before = found.before
     return (
         f"{found.site.mechanism.name}, {found.site.joint}: {sig(before.peak)} peak, {sig(before.rms)} rms, "
-        f"{sig(before.mean)} mean {before.unit} to hold; ranked by what is left of the {found.norm}, then parts, then "
+        f"{sig(before.mean)} mean {before.unit} to hold; ranked by {_measure(found)}, then parts, then "
         f"room (reach {quantity(found.site.room, 'm')}). Motor rms over {found.motion}: {sig(found.torque)} "
         f"{before.unit} without a balancer."
     )
+
+
+def _measure(found: Comparison) -> str:
+    """What the rows are ranked by."""
+    return f"the 95 % value of the {found.norm}" if found.judged == "band" else f"what is left of the {found.norm}"
 
 
 def markdown(found: Comparison) -> str:
@@ -69,11 +76,13 @@ def _cells(entry: Entry) -> list[str]:
     start = [str(entry.rank), family.name, family.code or NONE]
     parts = str(entry.json()["parts"])
     if facts is None:
-        return [*start, *[NONE] * 9, parts, NONE, "no"]
+        return [*start, *[NONE] * 11, parts, NONE, "no"]
     left = ["0" if value < 1e-9 else sig(value, 3) for value in (facts.peak, facts.rms, facts.mean)]
     return [
         *start,
         *left,
+        "0" if facts.high < 1e-9 else sig(facts.high, 3),
+        NONE if facts.friction is None else plain(facts.friction if facts.friction > 1e-9 else 0.0, 2),
         NONE if facts.rate is None else plain(facts.rate, 3),
         plain(facts.energy, 3),
         NONE if facts.mass is None else plain(facts.mass, 3),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from equipoise.design import Design
-from equipoise.reporting.markup import Raw, element, section, table
-from equipoise.reporting.numbers import percent, quantity, sig
+from equipoise.reporting.markup import Raw, element, prose, section, table
+from equipoise.reporting.numbers import percent, quantity, sig, sort_out
 from equipoise.rubbing import DeadBand
 
 NOTE = (
@@ -30,8 +30,9 @@ def friction_section(design: Design) -> Raw | str:
     if found is None or not found.parts:
         return ""
     rows = []
-    for joint, row in found.rows.items():
-        left = design.after[joint]
+    matter = sort_out(design.before, design.after)[0]
+    for joint in [joint for joint in found.rows if joint in matter]:
+        row, left = found.rows[joint], design.after[joint]
         low, high = (sig(max(0.0, left.peak + side * row.peak), 3) for side in (-1, 1))
         rows.append([f"{joint} [{row.unit}]", sig(left.peak, 3), sig(row.peak, 3), sig(row.rms, 3), f"{low} to {high}"])
     parts = ", ".join(f"{name} {sig(value, 3)}" for name, value in found.parts.items())
@@ -44,7 +45,7 @@ def friction_section(design: Design) -> Raw | str:
         "Friction and the dead band",
         table(["joint", "left, peak", "friction, peak", "friction, rms", "peak, moving down to up"], rows, numbers=1),
         element("p", used),
-        element("p", NOTE, class_="note"),
+        element("p", prose(NOTE), class_="note"),
         lead=f"With the motors off the mechanism {_shares(found)} ({found.poses} rows of poses).",
     )
 

@@ -104,12 +104,11 @@ def _leads(ax: Axes, sketch: Sketch, view: View, size: float, name: str, colour:
 
 def _ring(centre: Array, axis: Array, radius: Array, turns: int = 1) -> Array:
     """Points (P, 3) at radii (P,) around an axis."""
-    first: Array = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    first = np.asarray(np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())]), dtype=float)
     first /= np.linalg.norm(first)
-    second: Array = np.cross(axis / np.linalg.norm(axis), first)
+    second = np.asarray(np.cross(axis / np.linalg.norm(axis), first), dtype=float)
     angle = np.linspace(0.0, 2 * np.pi * turns, len(radius))[:, None]
-    ring: Array = centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
-    return ring
+    return centre + radius[:, None] * (np.cos(angle) * first + np.sin(angle) * second)
 
 
 def _spring(ax: Axes, a: Array, b: Array, width: float, colour: str) -> None:
@@ -163,8 +162,9 @@ def _weight(ax: Axes, place: Array, share: float, label: tuple[str, str]) -> Non
 
 def _note(ax: Axes, place: Array, text: str, colour: str) -> None:
     ax.annotate(
-        text, _pair(place), xytext=(9, 7), textcoords="offset points", color=colour, path_effects=style.halo(), zorder=7
-    )
+        text, _pair(place), xytext=(0, -8), textcoords="offset points", color=colour, ha="center", va="top",
+        path_effects=style.halo(), zorder=7,
+    )  # fmt: skip
 
 
 def _pair(place: Array) -> tuple[float, float]:

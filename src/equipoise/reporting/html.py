@@ -14,7 +14,7 @@ from equipoise.make.synthesis import Part
 from equipoise.reporting import cable_sections, machinery, phrases, sections, tables
 from equipoise.reporting.friction import friction_section
 from equipoise.reporting.markup import Raw, element, image, join, section
-from equipoise.reporting.ordering import ordering
+from equipoise.reporting.ordering import ordering, tried
 from equipoise.reporting.payload import adjustments
 from equipoise.reporting.plots import Picture, part_picture, pictures
 from equipoise.reporting.settings import settings_table
@@ -36,6 +36,7 @@ def page(design: Design, model: str) -> str:
             *([machinery.motors(design.machine)] if design.machine else []),
             tables.parts(design),
             ordering(design),
+            tried(design),
             settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),

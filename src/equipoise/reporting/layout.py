@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 
 WIDEST, NARROWEST = 110, 60
 LABEL = 12
+REMARK = 24
+"""Columns that a remark has at least."""
 UNIT = re.compile(r"(?<=\d) (?=(?:%|[^\W\d]{1,3})(?![^\W\d]))")
 """The space between a number and its unit, where no line ends."""
 GLUE = "\u00a0"
@@ -70,5 +72,8 @@ def table(
         numbers = "".join(
             " " * gap + cell.rjust(size) for cell, size, gap in zip(cells[:-1], widths, gaps, strict=True)
         )
-        lines.append(f"  {name.ljust(first)}{numbers}   {cells[-1]}".rstrip())
+        lead = f"  {name.ljust(first)}{numbers}   "
+        remark = textwrap.wrap(cells[-1], max(REMARK, width() - len(lead)), break_on_hyphens=False) or [""]
+        lines.append(f"{lead}{remark[0]}".rstrip())
+        lines += [" " * len(lead) + more for more in remark[1:]]
     return lines

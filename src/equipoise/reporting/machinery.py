@@ -19,8 +19,9 @@ NOTE = (
     "braking energy is taken back without loss. All on one supply: braking motors feed the others."
 )
 BEARINGS = (
-    "The force in each bearing and pin by itself, weight and springs included, through the closed loops. A gear mesh "
-    "counts as a pure torque. "
+    "The force in each bearing and pin by itself, weight and springs included, through the closed loops. Teeth "
+    "push on the bearing of the body that drives a counter-rotor beside it; belts, and pairs of gears on one carrier, "
+    "count as pure torques. "
 )
 
 

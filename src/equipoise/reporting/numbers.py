@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from equipoise.design import Row
+    from equipoise.row import Row
 
 SHOWN = {
     "m": (1e3, "mm"),

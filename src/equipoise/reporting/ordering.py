@@ -1,4 +1,4 @@
-"""What to order and how to live with it: parts by their order lines, where they mount, what a broken one leaves."""
+"""What to order and how to live with it: order lines, what else was tried, mounting, what a broken spring leaves."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ import numpy as np
 
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
-from equipoise.reporting.markup import Raw, join, section, small, table
+from equipoise.objective import leading
+from equipoise.reporting import partwords
+from equipoise.reporting.markup import Raw, element, join, listing, prose, section, small, table
 from equipoise.reporting.numbers import percent, quantity, sig, sort_out
+from equipoise.reporting.tables import value_words
 from equipoise.units import along_path
 
 LEAD = (
@@ -18,37 +21,84 @@ LEAD = (
 )
 
 
+TRIED = (
+    "Every candidate is optimised with the geometry that is free; the best are shaped with the design's own norm and "
+    "limits, and the best of those stays."
+)
+
+
 def ordering(design: Design) -> Raw | str:
-    """Order lines, use, stored energy and mounting of every real part; nothing where no spring is one."""
-    parts = [part for part in design.parts() if "order" in part]
-    springs = {balancer.name: balancer for balancer in design.balancers if isinstance(balancer, Spring)}
+    """Order lines, use, stored energy and mounting of the springs, and what a broken one leaves; else nothing."""
     rows = []
-    for part in parts:
-        used = max(part["clauses"].items(), key=lambda entry: entry[1]["used"], default=None)
-        length, force = springs[part["name"]].force(design.states, design.values)
-        easiest = int(np.abs(force).argmin())
-        pull = quantity(float(abs(force[easiest])), along_path("N or N m", part["unit"]), 3)
-        where = f"{quantity(float(length[easiest]), part['unit'], 3)}, {_pose(design, easiest)}"
-        doubt = f"unsourced, ask the maker: {', '.join(part['unsourced'])}" if part["unsourced"] else ""
+    made = {part["name"]: part for part in design.parts()}
+    for spring in _springs(design):
+        part = made[spring.name]
+        used = max(part.get("clauses", {}).items(), key=lambda entry: entry[1]["used"], default=None)
+        doubt = f"unsourced, ask the maker: {', '.join(part['unsourced'])}" if part.get("unsourced") else ""
+        order = part.get("order", "no part yet: `equipoise pick` finds one")
+        pull, where = mounting(design, spring)
         rows.append([
             part["name"],
-            join([part["order"], small(doubt)]) if doubt else part["order"],
+            join([prose(order), small(doubt)]) if doubt else prose(order),
             f"{used[0]} {percent(used[1]['used'])}" if used else "",
-            quantity(max(part["energy"]), "J", 3),
-            quantity(part["mass"], "kg", 3),
+            partwords.energy_words(part).removeprefix("energy "),
+            quantity(part["mass"], "kg", 3) if part["mass"] else "",
             join([pull, small(where)]),
         ])  # fmt: skip
     if not rows:
         return ""
     head = ["spring", "order", "used", "stored", "mass", "to mount"]
-    return section("What to order", table(head, rows, numbers=2), broken(design), lead=LEAD)
+    title = "What to order" if any("order" in part for part in made.values()) else "Mounting, and what may break"
+    return section(title, table(head, rows, numbers=2, kind="order"), broken(design), lead=LEAD)
 
 
-def broken(design: Design) -> Raw:
-    """Each loaded motor's peak if one spring breaks, over the sweep's poses."""
-    springs = [balancer for balancer in design.balancers if isinstance(balancer, Spring)]
+def mounting(design: Design, spring: Spring) -> tuple[str, str]:
+    """The force, or torque, at which a spring is hooked in where it is easiest, and its length and pose there."""
+    length, force = spring.force(design.states, design.values)
+    easiest = int(np.abs(force).argmin())
+    pull = quantity(float(abs(force[easiest])), along_path("N or N m", spring.path.unit), 3)
+    return pull, f"{quantity(float(length[easiest]), spring.path.unit, 3)}, {_pose(design, easiest)}"
+
+
+def _springs(design: Design) -> list[Spring]:
+    return [balancer for balancer in design.balancers if isinstance(balancer, Spring)]
+
+
+def tried(design: Design) -> Raw | str:
+    """The parts tried for each spring with what they reached, and what took the others out; nothing where none was."""
+    aim = leading(design.objective)
+    unit = aim.unit(design.mechanism)
+    head = ["rank", "part", "in parallel", f"{aim.norm}, shaped around it", "95 % value", ""]
+    blocks = []
+    for choice in design.choices:
+        rows = [
+            [
+                str(rank),
+                one.line.part,
+                str(one.line.number),
+                value_words(one.value, unit),
+                "" if one.high is None else value_words(one.high, unit),
+                "taken" if one.line is choice.line else "",
+            ]
+            for rank, one in enumerate(choice.tried, 1)
+        ]
+        behind = choice.ranking.outranked
+        said = [f"{len(choice.ranking.lines) + behind} candidates of {choice.ranking.catalogue.name}"]
+        said += [f"{count} left out by {words}" for words, count in choice.removed.items()]
+        said += [f"{behind} put behind the others by the closed form"] if behind else []
+        said += [f"{count} refused: {words}" for words, count in choice.refused.items()]
+        blocks += [element("h3", f"{choice.spring}: {choice.order}"), table(head, rows, numbers=2)]
+        blocks.append(listing([*said, *choice.ranking.catalogue.remarks]))
+    return section("Candidates tried", *blocks, lead=TRIED) if blocks else ""
+
+
+def broken(design: Design) -> Raw | str:
+    """Each loaded motor's peak if one spring breaks, over the sweep's poses; nothing without springs or motors."""
+    springs = _springs(design)
     matter = [joint for joint in sort_out(design.before, design.after)[0] if joint in design.mechanism.driven]
     rows = []
+    if not (springs and matter):
+        return ""
     for spring in springs:
         left = tuple(balancer for balancer in design.balancers if balancer is not spring)
         peaks = np.abs(replace(design, balancers=left).residual(design.states)).max(axis=0)

@@ -11,9 +11,10 @@ from equipoise.balancers.payload import Adjustment, payload_rule
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError
+from equipoise.payload import Payload
 from equipoise.reporting.markup import Raw, element, section, table
 from equipoise.reporting.numbers import plain, sig
-from equipoise.sweep import Payload, Sweep
+from equipoise.sweep import Sweep
 
 Crank = ScotchYoke | InvertedSliderCrank
 RULE = (

@@ -7,7 +7,7 @@ import math
 
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
-from equipoise.reporting import phrases
+from equipoise.reporting import limitwords, phrases
 from equipoise.reporting.jsonfile import strict
 from equipoise.reporting.markup import Raw, element, join, listing, prose, section, table
 from equipoise.reporting.numbers import plain, seen, shown, sig
@@ -79,7 +79,7 @@ def certificate(design: Design) -> Raw:
     value, unit = shown(c.primal, c.unit)
     here = " at this geometry" if design.geometry and c.kind != "bracketed" else ""
     rows = [
-        [f"reached ({phrases.goal_word(design)})", f"{sig(value, 6)} {unit}"],
+        [f"reached ({limitwords.goal_word(design)})", f"{sig(value, 6)} {unit}"],
         [f"nothing below this is possible{here}", value_words(c.dual, c.unit, 6)],
         ["gap", value_words(c.gap, c.unit, 2)],
         ["largest violation of a limit, relative", sig(c.violation, 2)],
@@ -90,7 +90,7 @@ def certificate(design: Design) -> Raw:
             ["different optima", str(c.optima)],
             ["their values lie apart by", value_words(c.spread, c.unit, 3)],
         ]
-    held = phrases.limited_by(design)
+    held = limitwords.limited_by(design)
     steps = phrases.next_steps(design)
     return section(
         "How good it is",

@@ -10,7 +10,7 @@ from equipoise.reporting.markup import Raw, element, section, table
 from equipoise.reporting.numbers import quantity, sig
 
 if TYPE_CHECKING:
-    from equipoise.verbs.adjust import Adjusted
+    from equipoise.verbs.adjusted import Adjusted
 
 NOTE = (
     "Everything else is shared. Work is the change of the stored energy from the first setting, with the mechanism "

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
-from equipoise.design import Design, Row
-from equipoise.reporting import phrases
+from equipoise.design import Design
+from equipoise.reporting import partwords, phrases
 from equipoise.reporting.markup import Raw, clean, element, join, listing, section, small, table
 from equipoise.reporting.numbers import percent, plain, quantity, seen, shown, sig, sort_out, span
 from equipoise.reporting.pathwords import path_words
 from equipoise.reporting.rehearsal import motion_table
+from equipoise.row import Row
 
 if TYPE_CHECKING:
     from equipoise.verification.findings import Bound
@@ -63,11 +64,11 @@ def parts(design: Design) -> Raw:
     blocks = []
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
         spring = isinstance(balancer, Spring)
-        words = phrases.law_words(part, balancer) if spring else phrases.weight_words(part, design)
+        words = partwords.law_words(part, balancer) if spring else partwords.weight_words(part, design)
         ends = [[end["body"], *(_coordinate(value) for value in end["at"])] for end in part["ends"]]
         where = table(["attached to link", "x [mm]", "y [mm]", "z [mm]"], ends, numbers=1) if ends else Raw("")
         led = [element("p", path_words(balancer.path))] if spring and not isinstance(balancer.path, Line) else []
-        placed = phrases.placed_words(part, design)
+        placed = partwords.placed_words(part, design)
         facts = [*_facts(part), *([["place", placed]] if placed else [])] if spring else []
         does = table(["over the sweep", ""], facts, numbers=1) if spring else Raw("")
         blocks += [element("h3", f"{part['name']}: {words}"), *led, element("div", where, does, class_="pair")]
@@ -81,17 +82,17 @@ def _coordinate(value: float) -> str:
 
 def _facts(part: Mapping[str, Any]) -> list[list[str]]:
     pushes = part["force"][0] < -1e-9 * abs(part["force"][1])
-    facts = [[name, value] for name, value in phrases.facts(part)]
+    facts = [[name, value] for name, value in partwords.facts(part)]
     if pushes:
         facts[1][1] = join([facts[1][1], small("negative: it pushes")])
-    if room := phrases.room_words(part):
+    if room := partwords.room_words(part):
         facts.append(["room", room.removeprefix(", room ")])
-    facts += [[name, value] for name, value in phrases.details(part)]
+    facts += [[name, value] for name, value in partwords.details(part)]
     if part.get("unsourced"):
         facts.append(["unsourced, ask the maker", ", ".join(part["unsourced"])])
     if part.get("mass"):
         facts.append(["own mass", quantity(part["mass"], "kg", 3)])
-    if words := phrases.stored_words(part):
+    if words := partwords.stored_words(part):
         facts.append(["saved model", words])
     return facts
 
@@ -104,7 +105,9 @@ def _found(design: Design) -> Raw:
         unit, (low, high) = design.units[name], design.bounds.get(name, (-math.inf, math.inf))
         edge = min(value - low, high - value) <= 1e-6 * (high - low)
         bounds = f"shape, within {span((low, high), unit, 4)}" + (", at the bound" if edge else "")
-        rows.append([name, value_words(value, unit, 5), bounds])
+        # A bound at zero is met to working accuracy only.
+        nought = abs(value) < 1e-9 * (high - low) < math.inf
+        rows.append([name, value_words(0.0 if nought else value, unit, 5), bounds])
     if not rows:
         return Raw("")
     made = table(["name", "value", "found by"], rows, numbers=1, kind="facts wide")

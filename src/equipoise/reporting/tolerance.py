@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from equipoise.design import Design
-from equipoise.reporting.markup import Raw, element, section, table
+from equipoise.reporting.markup import Raw, element, prose, section, table
 from equipoise.reporting.numbers import percent, plain, quantity, sig
 from equipoise.scattering import Band, Tolerance
 
@@ -48,7 +48,7 @@ def tolerance_section(design: Design) -> Raw | str:
         "When parts are as they come",
         table(head, rows, numbers=1),
         table(["by itself", "tolerance", "95 %"], alone, numbers=1) if alone else "",
-        element("p", NOTE, class_="note"),
+        element("p", prose(NOTE), class_="note"),
         lead=f"{samples} specimens drawn with seed {found.seed}, each judged at {found.poses} rows of poses.",
     )
 

@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from equipoise.balancers.paths import Line
-from equipoise.design import Design, Row
-from equipoise.reporting import cablewords, machinery, phrases
+from equipoise.design import Design
+from equipoise.reporting import cablewords, limitwords, machinery, partwords, phrases
 from equipoise.reporting.friction import friction_words
 from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
 from equipoise.reporting.numbers import percent, plain, seen, sig, sort_out
 from equipoise.reporting.pathwords import path_words
 from equipoise.reporting.tolerance import tolerance_words
+from equipoise.row import Row
 
 if TYPE_CHECKING:
     from equipoise.verbs.analyze import Analysis
@@ -31,7 +32,7 @@ def summary(design: Design) -> str:
     if design.machine is not None:
         for label, words in (*machinery.motor_words(design.machine), *machinery.bearing_words(design.machine)):
             lines += labelled(label, words)
-    for words in phrases.limited_by(design):
+    for words in limitwords.limited_by(design):
         lines += labelled("limited by", words)
     if design.missed:
         lines += labelled("missed", design.missed)
@@ -121,7 +122,7 @@ def _motor(row: Row) -> str:
 
 def _led(part: Mapping[str, Any], balancer: Any) -> str:
     """Where a spring on a straight line is hooked on, or what leads to any other."""
-    return phrases.where_words(part) if isinstance(balancer.path, Line) else path_words(balancer.path)
+    return partwords.where_words(part) if isinstance(balancer.path, Line) else path_words(balancer.path)
 
 
 def part_lines(part: Mapping[str, Any], balancer: object, design: Design) -> list[str]:
@@ -129,13 +130,13 @@ def part_lines(part: Mapping[str, Any], balancer: object, design: Design) -> lis
     if part["kind"] == "spring":
         name = f"spring {part['name']}"
         return [
-            *labelled(name, phrases.law_words(part, balancer)),
+            *labelled(name, partwords.law_words(part, balancer)),
             *labelled("", _led(part, balancer)),
-            *labelled("", phrases.work_words(part)),
-            *(labelled("", words) if (words := phrases.placed_words(part, design)) else []),
-            *(labelled("", words) if (words := phrases.used_words(part)) else []),
-            *(labelled("", words) if (words := phrases.stored_words(part)) else []),
+            *labelled("", partwords.work_words(part)),
+            *(labelled("", words) if (words := partwords.placed_words(part, design)) else []),
+            *(labelled("", words) if (words := partwords.used_words(part)) else []),
+            *(labelled("", words) if (words := partwords.stored_words(part)) else []),
         ]
     word = {"counterweight": "weight", "counter_rotor": "rotor", "flywheel": "flywheel"}[part["kind"]]
     name = f"{word} {part['name']}"
-    return [*labelled(name, phrases.weight_words(part, design)), *labelled("", f"at {phrases.where_words(part)}")]
+    return [*labelled(name, partwords.weight_words(part, design)), *labelled("", f"at {partwords.where_words(part)}")]

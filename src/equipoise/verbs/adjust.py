@@ -3,114 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from equipoise.affine import Array, Geometry
+from equipoise.affine import Geometry
 from equipoise.assemble import Balancer, thrift
-from equipoise.cases import Adjuster, Case, Settings, called, joined, share_of
-from equipoise.design import Certificate, Design
+from equipoise.cases import Case, joined
 from equipoise.errors import EquipoiseError, InputError, nearest
 from equipoise.limits import Limit
 from equipoise.objective import Aim
-from equipoise.parameters import candidates, read, unit_of, write
-from equipoise.solve.exchange import Solution, solve
+from equipoise.parameters import read, unit_of, write
+from equipoise.peaks import STARTS
+from equipoise.solve.exchange import solve
 from equipoise.solve.program import Norm, Program
-from equipoise.solve.shape import Build, Freedom, Local, Optima, by_least_squares, descend
+from equipoise.solve.shape import Local, Optima, by_least_squares, descend
 from equipoise.solve.sharpen import vanish
 from equipoise.states import States
-from equipoise.verbs.balance import STARTS, Balanced, Task, active_limits, between, finish, is_exact, task_of
-from equipoise.verbs.shape import COARSE, REFINED, Progress, descend_all, freedom_of, load_of, once, thinned
+from equipoise.tasks.between import between
+from equipoise.tasks.family import Family
+from equipoise.tasks.refine import REFINED
+from equipoise.tasks.search import COARSE, freedom_of, load_of, once, thinned
+from equipoise.tasks.starts import Progress, descend_all
+from equipoise.tasks.task import task_of
+from equipoise.verbs.adjusted import Adjusted, finished
 
 NO_EFFECT = 1e-12
+"""Share of the load below which an adjuster changes nothing."""
+
 SPARED = 200
 """States of a case over which stored energy is judged."""
 
 Ranges = Mapping[str, tuple[float, float] | None]
-
-
-@dataclass(frozen=True, eq=False)
-class Adjusted:
-    """One design that serves several cases: what it is in each, and the settings that lead from one to the next."""
-
-    labels: tuple[str, ...]
-    designs: tuple[Design, ...]
-
-    @property
-    def adjusters(self) -> tuple[Adjuster, ...]:
-        """What is set anew for each case."""
-        settings = self.designs[0].settings
-        return () if settings is None else settings.adjusters
-
-    @property
-    def hardest(self) -> int:
-        """Number of the case that loads the mechanism most."""
-        return int(np.argmax([max(row.peak for row in design.before.values()) for design in self.designs]))
-
-    def json(self) -> dict[str, Any]:
-        """The hardest case's design.json, with the settings and every case's design."""
-        cases = [{"case": label} | design.json() for label, design in zip(self.labels, self.designs, strict=True)]
-        return self.designs[self.hardest].json() | {"cases": cases}
-
-    def __str__(self) -> str:
-        from equipoise.reporting.settings import summary
-
-        return summary(self)
-
-
-@dataclass(frozen=True, eq=False)
-class _Family:
-    """The tasks of all cases, what they share, and what each sets for itself."""
-
-    labels: tuple[str, ...]
-    tasks: tuple[Task, ...]
-    shared: tuple[Freedom, ...]
-    adjusted: tuple[Freedom, ...]
-    unknowns: Mapping[str, tuple[float, float] | None]
-
-    @property
-    def freedoms(self) -> tuple[Freedom, ...]:
-        """Shared geometry first, then every case's own."""
-        own = [replace(f, name=called(f.name, label)) for label in self.labels for f in self.adjusted]
-        return (*self.shared, *own)
-
-    def columns(self, case: int) -> list[int]:
-        """Which of all freedoms a case sees."""
-        first = len(self.shared) + case * len(self.adjusted)
-        return [*range(len(self.shared)), *range(first, first + len(self.adjusted))]
-
-    def placed(self, case: int, gamma: Geometry) -> tuple[Balancer, ...]:
-        """The balancers of a case at candidates gamma (C, G)."""
-        names = [f.name for f in (*self.shared, *self.adjusted)]
-        return candidates(self.tasks[case].balancers, names, gamma[:, self.columns(case)])
-
-    def programs(self, states: Sequence[States], gamma: Geometry) -> list[Program]:
-        """Every case's own program at candidates gamma."""
-        return [
-            task.program(states[i], self.placed(i, gamma) if len(self.freedoms) else None)
-            for i, task in enumerate(self.tasks)
-        ]
-
-    def builder(self, states: Sequence[States]) -> Build:
-        """gamma (C, G) -> the common program."""
-        return lambda gamma: joined(self.programs(states, gamma), self.labels, self.unknowns)
-
-    def at(self, gamma: Array) -> tuple[Task, ...]:
-        """The tasks at one geometry."""
-        names = [f.name for f in (*self.shared, *self.adjusted)]
-        found = []
-        for i, task in enumerate(self.tasks):
-            values = {name: float(v) for name, v in zip(names, gamma[self.columns(i)], strict=True)}
-            found.append(replace(task, balancers=write(task.balancers, values)))
-        return tuple(found)
-
-    @cached_property
-    def states(self) -> list[States]:
-        """The states of every case's sweep."""
-        return [task.mechanism.states(task.sweep) for task in self.tasks]
 
 
 def adjust(
@@ -148,7 +72,7 @@ def adjust(
     family, best = _refined(family, optima.best, load)
     best = _spared(family, best, load)
     best = vanish(family.builder(family.states), family.freedoms, best)
-    return _finished(family, replace(optima, found=(best, *optima.found[1:])))
+    return finished(family, replace(optima, found=(best, *optima.found[1:])))
 
 
 def _family(
@@ -159,7 +83,7 @@ def _family(
     norm: Norm | None,
     objective: Aim | Sequence[Aim] | None,
     limits: Sequence[Limit],
-) -> _Family:
+) -> Family:
     labels = tuple(case.label for case in cases)
     if len(set(labels)) < len(labels):
         raise InputError(f"two cases are called alike: {', '.join(labels)}", where="cases")
@@ -180,7 +104,7 @@ def _family(
     middle = {f.name: (f.lower + f.upper) / 2 for f in (*shared, *adjusted) if read(balancers, f.name) is None}
     opened = write(balancers, middle)
     tasks = tuple(task_of(case.mechanism, opened, case.sweep, norm, objective, limits) for case in cases)
-    return _Family(labels, tasks, shared, adjusted, own)
+    return Family(labels, tasks, shared, adjusted, own)
 
 
 def _bounded(
@@ -201,7 +125,7 @@ def _bounded(
     return bounds
 
 
-def _insist_on_effect(family: _Family, states: Sequence[States], load: float) -> None:
+def _insist_on_effect(family: Family, states: Sequence[States], load: float) -> None:
     """Raise InputError for an adjuster that changes no residual of any case, wherever it stands."""
     from equipoise.solve.shape import linearise, sown
 
@@ -230,7 +154,7 @@ def _insist_on_effect(family: _Family, states: Sequence[States], load: float) ->
 
 
 def _searched(
-    family: _Family, states: Sequence[States], load: float, starts: int, seed: int, progress: Progress | None
+    family: Family, states: Sequence[States], load: float, starts: int, seed: int, progress: Progress | None
 ) -> Optima:
     """The best geometries; without free geometry the one solution that there is."""
     if not family.freedoms:
@@ -260,17 +184,17 @@ def _searched(
     )
 
 
-def _resolved(family: _Family, best: Local, load: float) -> Local:
+def _resolved(family: Family, best: Local, load: float) -> Local:
     if not family.freedoms:
         solution = solve(family.builder(family.states)(np.zeros((1, 0))))
         return replace(best, merit=solution.objective, solution=solution)
     return descend(family.builder(family.states), family.freedoms, best.gamma, load, radius=0.02)
 
 
-def _refined(family: _Family, best: Local, load: float) -> tuple[_Family, Local]:
+def _refined(family: Family, best: Local, load: float) -> tuple[Family, Local]:
     """Add the poses between the samples that exceed a case's share of the peak, and solve again, until none does."""
     for _ in range(REFINED):
-        found = _parted(family, best)
+        found = family.parted(best)
         level = best.solution.objective
         more = [between(b.task, b.states, b.program, b.solution, STARTS, level) for b in found]
         if not any(len(places) for places in more):
@@ -284,7 +208,7 @@ def _refined(family: _Family, best: Local, load: float) -> tuple[_Family, Local]
     return family, best
 
 
-def _spared(family: _Family, best: Local, load: float) -> Local:
+def _spared(family: Family, best: Local, load: float) -> Local:
     """Among equally good designs the one with the least peak of stored energy."""
     terms = [term for term in best.solution.program.terms if term.cap is None]
     if not family.freedoms or len(terms) > 1:
@@ -309,87 +233,3 @@ def _spared(family: _Family, best: Local, load: float) -> Local:
     solution = solve(family.builder(family.states)(thrifty.gamma[None]).take(0), elastic=30 * load)
     kept = solution.objective <= best.solution.objective * (1 + 1e-6) + 1e-8 * load and solution.excess <= 1e-6
     return replace(best, gamma=thrifty.gamma, merit=solution.objective, solution=solution) if kept else best
-
-
-def _parted(family: _Family, best: Local) -> list[Balanced]:
-    """Every case's own program with its share of the common solution."""
-    states = family.states
-    tasks, common = family.at(best.gamma), best.solution
-    found = []
-    for i, (task, own) in enumerate(zip(tasks, states, strict=True)):
-        program = task.program(own)
-        theta = share_of(common.program, common.theta, program, family.labels[i], family.unknowns)
-        theta = np.clip(theta, program.lower, program.upper)
-        solution = Solution(theta, program, common.working, common.answer)
-        found.append(Balanced(task, own, program, solution, 0))
-    return found
-
-
-def _finished(family: _Family, optima: Optima) -> Adjusted:
-    best = optima.best
-    parts = _parted(family, best)
-    names = [f.name for f in (*family.shared, *family.adjusted)]
-    bounds = {f.name: (f.lower, f.upper) for f in (*family.shared, *family.adjusted)}
-    units = {f.name: f.unit for f in (*family.shared, *family.adjusted)}
-    certificate = _certificate(family, optima, parts)
-    designs = [
-        finish(
-            balanced,
-            certificate,
-            {name: float(v) for name, v in zip(names, best.gamma[family.columns(i)], strict=True)},
-            bounds,
-            units,
-            optima.seed,
-        )
-        for i, balanced in enumerate(parts)
-    ]
-    every = (*family.unknowns, *(f.name for f in family.adjusted))
-    adjusters = tuple(_adjuster(family, designs, name) for name in every)
-    counted = {row for aim in family.tasks[0].objective for row in aim.counted(family.tasks[0].mechanism)}
-    peaks = tuple(max(design.after[row].peak for row in counted) for design in designs)
-    shown = [replace(design, settings=Settings(i, family.labels, adjusters, peaks)) for i, design in enumerate(designs)]
-    return Adjusted(family.labels, tuple(shown))
-
-
-def _certificate(family: _Family, optima: Optima, parts: Sequence[Balanced]) -> Certificate:
-    """`exact` where every case is, else `local` over free geometry or `convex`."""
-    best, aim = optima.best, next(aim for aim in family.tasks[0].objective if aim.cap is None)
-    unit = aim.unit(family.tasks[0].mechanism)
-    program = best.solution.program
-    merits = [local.merit for local in optima.found]
-    exact = all(is_exact(part) for part in parts)
-    return Certificate(
-        kind="exact" if exact else "local" if family.freedoms else "convex",
-        primal=program.objective(best.solution.theta),
-        dual=min(best.solution.gap.dual, program.objective(best.solution.theta)),
-        unit=unit,
-        violation=max(0.0, program.violation(best.solution.theta)),
-        starts=len(optima.found) if family.freedoms else 0,
-        optima=optima.distinct if family.freedoms else 0,
-        spread=float(max(merits) - min(merits)),
-        stationarity=best.stationarity,
-        active=active_limits(program, best.solution, unit),
-    )
-
-
-def _adjuster(family: _Family, designs: Sequence[Design], name: str) -> Adjuster:
-    """Values of one adjuster, and the work that turning it takes with everything else held."""
-    values = tuple({**d.geometry, **d.values}[name] for d in designs)
-    if name in family.unknowns:
-        return Adjuster(name, designs[0].units[name], values)
-    work = tuple(_work(designs[0], design, name) for design in designs)
-    return Adjuster(name, designs[0].units[name], values, work)
-
-
-def _work(first: Design, then: Design, name: str) -> tuple[float, float]:
-    """Least and greatest change of the stored energy over the poses, J, as one parameter goes to another case's."""
-    from equipoise.assemble import storage
-
-    moved = write(first.balancers, {name: then.geometry[name]})
-    energies = []
-    for balancers in (first.balancers, moved):
-        stored = storage(balancers, first.states)
-        theta = np.array([first.values[unknown.name] for unknown in stored.unknowns])
-        energies.append((stored.b + stored.A @ theta).sum(axis=-1))
-    change = energies[1] - energies[0]
-    return float(change.min()), float(change.max())

@@ -11,10 +11,10 @@ import numpy as np
 
 from equipoise.affine import magnitudes
 from equipoise.assemble import account
-from equipoise.design import Row
 from equipoise.instants import between
 from equipoise.mechanism import Mechanism
 from equipoise.peaks import polish
+from equipoise.row import Row
 from equipoise.states import States
 from equipoise.steepness import Account, steepness
 from equipoise.sweep import Sweep

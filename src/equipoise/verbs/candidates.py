@@ -13,6 +13,7 @@ from equipoise.affine import Array
 from equipoise.assemble import Balancer
 from equipoise.balancers.laws import Law, Linear, WireMass
 from equipoise.balancers.spring import Spring
+from equipoise.objective import leading
 from equipoise.parameters import candidates, unit_of, write
 from equipoise.parts.catalogue import Catalogue
 from equipoise.parts.ranking import Line
@@ -21,9 +22,9 @@ from equipoise.solve.program import Program
 from equipoise.solve.shape import Freedom
 from equipoise.solve.sift import Sifted, evenly, sift
 from equipoise.states import States
+from equipoise.tasks import Task
 from equipoise.thinning import Few, thin
 from equipoise.units import Mass
-from equipoise.verbs.balance import Task
 from equipoise.verbs.judging import KEPT, Best, Judged
 
 GEOMETRIES = 8192
@@ -78,7 +79,7 @@ class Work:
     @property
     def norm(self) -> str:
         """The norm that ranks."""
-        return next(aim.norm for aim in self.task.objective if aim.cap is None)
+        return leading(self.task.objective).norm
 
     @property
     def units(self) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from equipoise.design import Design
 from equipoise.errors import InputError
+from equipoise.objective import minimised
 from equipoise.parameters import write
 from equipoise.solve.bracket import Bracket, bracket
 from equipoise.verbs.enclosures import Enclosing
@@ -38,7 +39,7 @@ def certify(
             where="shape --certify",
             hint="fix some of them",
         )
-    aims = [aim for aim in design.objective if aim.cap is None]
+    aims = minimised(design.objective)
     if len(design.objective) > 1 or aims[0].goal != "hold" or aims[0].divisor == "before":
         raise InputError("a bound is for one aim on `hold`", where="shape --certify", hint="use a single objective")
     aim = aims[0]

@@ -14,10 +14,10 @@ from equipoise.comparing import Comparing
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError, nearest
 from equipoise.families import HINGE, SLIDE, Family, Site, site_of
-from equipoise.families.judge import Facts, bare_torque, facts, fault
+from equipoise.families.judge import Chance, Facts, bare_torque, facts, fault
 from equipoise.mechanism import Mechanism
 from equipoise.motion.drivers import Cycloidal
-from equipoise.objective import Aim
+from equipoise.objective import Aim, Judged
 from equipoise.solve.program import Norm
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -25,7 +25,7 @@ from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import shape
 
 if TYPE_CHECKING:
-    from equipoise.design import Row
+    from equipoise.row import Row
 
 STARTS = 4
 ROWS = 181
@@ -70,6 +70,7 @@ class Comparison:
 
     site: Site
     norm: Norm
+    judged: Judged
     before: Row
     torque: float
     motion: str
@@ -82,6 +83,7 @@ class Comparison:
             "joint": self.site.joint,
             "unit": self.before.unit,
             "norm": self.norm,
+            "judged": self.judged,
             "before": self.before.json() | {"torque": self.torque},
             "motion": self.motion,
             "room": self.site.room,
@@ -100,13 +102,16 @@ def compare(
     comparing: Comparing | None = None,
     *,
     norm: Norm = "rms",
+    judged: Judged = "nominal",
+    chance: Chance | None = None,
     starts: int = STARTS,
     progress: Callable[[str], None] | None = None,
 ) -> Comparison:
     """Design a working member of every family for one joint and rank them.
 
-    Rows that cannot be had come last, then the norm of what is left to hold decides, then the number of parts, then
-    the room. Raises InputError for a joint without a load, a family that is none, and a scheme's number.
+    Rows that cannot be had come last, then the norm of what is left to hold decides (judged `band`: its 95 % value
+    under the scatter of `chance`), then the number of parts, then the room. Raises InputError for a joint without a
+    load, a family that is none, and a scheme's number.
     """
     asked = comparing or Comparing()
     states = mechanism.states(sweep)
@@ -120,12 +125,13 @@ def compare(
     for family in families:
         if progress:
             progress(family.name)
-        found.append(_entry(family, site, over, norm, starts, motion))
+        found.append(_entry(family, site, over, norm, starts, motion, chance or Chance()))
     before = _before(mechanism, sweep, site)
     load = getattr(before, norm)
-    ranked = sorted(found, key=lambda entry: _key(entry, norm, load))
+    by = "high" if judged == "band" else norm
+    ranked = sorted(found, key=lambda entry: _key(entry, by, load))
     entries = tuple(_told(entry, index, norm, before) for index, entry in enumerate(ranked, 1))
-    return Comparison(site, norm, before, bare_torque(site, motion), words, sweep, entries)
+    return Comparison(site, norm, judged, before, bare_torque(site, motion), words, sweep, entries)
 
 
 def _few(count: int) -> Indices:
@@ -168,7 +174,7 @@ def _before(mechanism: Mechanism, sweep: Sweep, site: Site) -> Row:
     return analyze(mechanism, sweep).rows[site.joint]
 
 
-def _entry(family: Family, site: Site, sweep: Sweep, norm: Norm, starts: int, motion: States) -> Entry:
+def _entry(family: Family, site: Site, sweep: Sweep, norm: Norm, starts: int, motion: States, chance: Chance) -> Entry:
     try:
         trial = family.make(site)
         aim = Aim(norm=norm, joints=None if trial.whole else (site.joint,))
@@ -177,17 +183,17 @@ def _entry(family: Family, site: Site, sweep: Sweep, norm: Norm, starts: int, mo
             found = shape(*pieces, trial.free, objective=aim, limits=trial.limits, starts=starts)
         else:
             found = balance(*pieces, objective=aim, limits=trial.limits)
-        judged = facts(found, site, motion)
+        judged = facts(found, site, motion, chance)
     except EquipoiseError as error:
         return Entry(family, 0, f"no design: {error.message}", realisable=False)
     why = family.unreal or fault(found)
     return Entry(family, 0, why, not why, judged, found)
 
 
-def _key(entry: Entry, norm: Norm, load: float) -> tuple[Any, ...]:
+def _key(entry: Entry, by: str, load: float) -> tuple[Any, ...]:
     if entry.facts is None:
         return (2, math.inf, 0, 0.0)
-    left = getattr(entry.facts, norm) / load
+    left = getattr(entry.facts, by) / load
     return (0 if entry.realisable else 1, _rounded(left), entry.family.parts, max(entry.facts.room))
 
 

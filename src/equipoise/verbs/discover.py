@@ -8,7 +8,9 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
-from equipoise.discovery.refine import PRECISION, Parts, Refined, Refiner, additions, built, judge
+from equipoise.discovery.making import unweighed, weighed, wound
+from equipoise.discovery.reach import with_extremes
+from equipoise.discovery.refine import Parts, Refined, Refiner, additions, built, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
@@ -17,22 +19,26 @@ from equipoise.interference.findings import clashes
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
+from equipoise.parts.makeable import Makeable
+from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
-from equipoise.verbs.balance import balance
-from equipoise.verbs.shape import descended, thinned
+from equipoise.units import text
+from equipoise.verbs.shape import thinned
 
 JUDGED = 40
 """Subsets per number of springs that are judged by the objective's own norm."""
 EXCESS = 1e-5
 NOTHING = 1e-6
 """Share of the bare value below which nothing is left."""
+BRIEFLY = 10_000
+"""Specimens by which contenders are judged."""
 FEW = 256
 """Poses over which contenders are refined."""
+WOUND = 2
+"""Refined choices per number of springs that are wound, where that is asked for."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
-DETOUR = 1e-3
-"""Share of the bare value by which a design may get worse on its way to less stored energy."""
 
 Progress = Callable[[int, int, float], None]
 
@@ -46,7 +52,9 @@ class _Found:
     alternatives: list[Alternative] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     refined: Refined | None = None
+    made: Refined | None = None
     floor: float = 0.0
+    scatter: Scatter = field(default_factory=Scatter)
     stopped: bool = False
 
 
@@ -58,6 +66,7 @@ def discover(
     norm: Norm | None = None,
     objective: Aim | Sequence[Aim] | None = None,
     limits: Sequence[Limit] = (),
+    scatter: Scatter | None = None,
     progress: Progress | None = None,
 ) -> Discovery:
     """Find which springs to add, where, and how big: the front of their number against what motors still hold.
@@ -65,8 +74,9 @@ def discover(
     A dictionary of candidates is compressed to its rank and searched for the best subsets (pairs exhaustively, more
     by a beam with exchange); those that the objective's own norm ranks best, and the design before with the best
     candidate added, are refined by sequential convex programming; the best of each number is shaped over the whole
-    sweep (default: 2048 Sobol poses; default norm: peak). progress is called with (numbers done, numbers, value);
-    Ctrl-C returns what is finished. Raises InputError for an objective that is not the holding effort,
+    sweep (default: 2048 Sobol poses; default norm: peak). Where the objective is judged by its band under the scatter,
+    refined contenders, and numbers of parts, are ranked by that. progress is called with (numbers done, numbers,
+    value); Ctrl-C returns what is finished. Raises InputError for an objective that is not the holding effort,
     InfeasibleError where filters leave no candidate, naming what removed how many.
     """
     request = request or Discover()
@@ -85,7 +95,7 @@ def discover(
     search = Search.of(compressed, collection.dictionary.spots)
     ranked = search.best(request.springs, keep=JUDGED)
     bounds = bounds_of(collection, sweep, aim)
-    found = _Found()
+    found = _Found(scatter=scatter or Scatter())
     few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
     found.floor = max([bound.value for bound in bounds] + [NOTHING * refiner.bare])
@@ -95,9 +105,9 @@ def discover(
                 found.notes.append(f"the floor is reached with {len(found.designs[-1].balancers)}: no more were tried")
                 break
             if count in ranked:
-                _one(found, collection, refiner, ranked[count], count, aim)
-                if found.refined is not None:
-                    _finish(found, refiner, sweep, aim)
+                _one(found, collection, refiner, ranked[count], count, aim, request.make)
+                if found.refined is not None and found.made is not None:
+                    _finish(found, refiner, sweep, aim, found.refined, found.made)
             if progress:
                 progress(count, request.springs, found.values[-1] if found.values else float("nan"))
     except KeyboardInterrupt:
@@ -137,26 +147,39 @@ def _before(design: Design, aim: Aim) -> float:
     return replace(design, after=design.before).reached(aim)
 
 
-def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked, count: int, aim: Aim) -> None:
+def _one(
+    found: _Found,
+    collection: Collection,
+    refiner: Refiner,
+    ranked: Ranked,
+    count: int,
+    aim: Aim,
+    make: Makeable | None,
+) -> None:
     """Refine the contenders of one number of springs and keep the best."""
-    contenders = _contenders(collection, ranked, aim.norm)
     tried: list[tuple[tuple[str, ...], Refined]] = []
-    for subset in contenders:
-        parts = Parts.of([collection.propose(i, k) for k, i in enumerate(subset, 1)])
-        _try(refiner, parts, collection.dictionary.places(subset), tried)
+    for subset, shares in _contenders(collection, ranked, aim.norm):
+        parts = Parts.of(
+            [collection.propose(i, k, share) for k, (i, share) in enumerate(zip(subset, shares, strict=True), 1)]
+        )
+        _try(refiner, parts, collection.dictionary.places(subset), tried, make)
     before = found.refined
     if before is not None and len(before.parts.balancers) == count - 1:
-        for index in additions(collection, before, None, 1):
-            parts = before.parts.with_one(collection.propose(index, count))
-            _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried)
+        before = before if make is None else refiner.refine(replace(unweighed(before), free={}))
+        for index, share in additions(collection, before, None, 1):
+            parts = before.parts.with_one(collection.propose(index, count, share))
+            parts = replace(parts, free={**(found.refined or before).parts.free, **parts.free})
+            _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried, make)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
+    if aim.judged == "band":
+        sound = _by_band(found, refiner, count, sound)
     found.alternatives += [
         Alternative(count, places, one.value, f"it breaks a limit by {100 * one.excess:.2g} %")
         for places, one in tried
         if one.excess > EXCESS
     ]
     if not sound:
-        found.refined = None
+        found.refined = found.made = None
         return
     least = min(one.value for _, one in sound)
     alike = max(least * (1 + ALIKE), NOTHING * refiner.bare)
@@ -164,69 +187,97 @@ def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked
     best = sound[0][1]
     for places, one in sound[1:]:
         if one.value > alike:
-            worse = f"refined as the winner was, which reached {best.value:.3g}"
+            reached = best.value if best.value > NOTHING * refiner.bare else 0.0
+            worse = f"refined as the winner was, which reached {reached:.3g}"
         elif one.energy > best.energy * (1 + ALIKE):
             worse = f"as good, but it stores {one.energy:.3g} J against {best.energy:.3g} J"
         else:
             worse = "as good: the search came to the same at another place"
         found.alternatives.append(Alternative(count, places, one.value, worse))
-    found.refined = best
+    found.refined = found.made = best
+    if make is not None:
+        found.refined, found.made = _made(found, refiner, [one for _, one in sound[:WOUND]], make)
 
 
-def _try(refiner: Refiner, parts: Parts, places: tuple[str, ...], tried: list[tuple[tuple[str, ...], Refined]]) -> None:
+def _by_band(
+    found: _Found, refiner: Refiner, count: int, sound: list[tuple[tuple[str, ...], Refined]]
+) -> list[tuple[tuple[str, ...], Refined]]:
+    """Refined contenders with the 95 % value of their band as their value."""
+    ranked = []
+    for places, one in sound:
+        try:
+            ranked.append((places, refiner.banded(one, found.scatter, BRIEFLY)))
+        except EquipoiseError as error:
+            found.alternatives.append(Alternative(count, places, one.value, error.message))
+    return ranked
+
+
+def _made(
+    found: _Found, refiner: Refiner, sound: Sequence[Refined], make: Makeable
+) -> tuple[Refined | None, Refined | None]:
+    """Of the best refined parts those that are best once they are wound: as they were, and wound."""
+    best: tuple[Refined | None, Refined | None] = (None, None)
+    for one in sound:
+        names = tuple(balancer.name for balancer in one.parts.balancers)
+        try:
+            made = wound(refiner, one, make)
+        except EquipoiseError as error:
+            found.alternatives.append(Alternative(len(names), names, one.value, error.message))
+            continue
+        if made.excess > EXCESS:
+            reason = f"wound to round sizes it breaks a limit by {100 * made.excess:.2g} %"
+            found.alternatives.append(Alternative(len(names), names, made.value, reason))
+        elif best[1] is None or made.value < best[1].value:
+            best = one, made
+    return best
+
+
+def _try(
+    refiner: Refiner,
+    parts: Parts,
+    places: tuple[str, ...],
+    tried: list[tuple[tuple[str, ...], Refined]],
+    make: Makeable | None,
+) -> None:
     try:
-        tried.append((places, refiner.refine(parts)))
+        found = refiner.refine(parts)
+        tried.append((places, found if make is None else weighed(refiner, found, make)))
     except InfeasibleError:
         return
 
 
-def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[Subset]:
-    """The subsets that the objective's own norm ranks best, those at different places first."""
-    judged = sorted((judge(collection, subset, norm), subset) for _, subset in ranked)
-    chosen: list[Subset] = []
-    seen: set[tuple[str, ...]] = set()
-    for _, subset in judged:
-        places = collection.dictionary.places(subset)
-        if places not in seen:
-            seen.add(places)
-            chosen.append(subset)
-    chosen += [subset for _, subset in judged if subset not in chosen]
-    return chosen[: collection.request.contenders]
+def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[tuple[Subset, tuple[float, ...]]]:
+    """The subsets that the objective's own norm ranks best, those at different places first, with their shares."""
+    judged = sorted((*judge(collection, subset, norm), subset) for _, subset in ranked)
+    first: dict[tuple[str, ...], tuple[Subset, tuple[float, ...]]] = {}
+    for _, shares, subset in judged:
+        first.setdefault(collection.dictionary.places(subset), (subset, shares))
+    rest = [(subset, shares) for _, shares, subset in judged if (subset, shares) not in first.values()]
+    return [*first.values(), *rest][: collection.request.contenders]
 
 
-def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim) -> None:
+def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refined, best: Refined) -> None:
     """Shape the refined parts over the whole sweep; a design that is hardly better than the one before is told."""
-    best = found.refined
-    assert best is not None
     parts = best.parts
-    limits = (*refiner.limits, *parts.limits)
+    sweep = with_extremes(refiner.mechanism, parts.balancers, sweep)
     count = len(parts.balancers)
     places = tuple(balancer.name for balancer in parts.balancers)
     least = found.values[-1] if found.values else refiner.bare
-    if best.value > least * (1 - BETTER):
+    if aim.judged == "nominal" and best.value > least * (1 - BETTER):
         found.alternatives.append(Alternative(count, places, best.value, "one part more gains next to nothing"))
         return
     try:
-        if parts.free:
-            shaped = descended(
-                refiner.mechanism,
-                parts.balancers,
-                sweep,
-                parts.free,
-                objective=refiner.objective,
-                limits=limits,
-                precision=PRECISION,
-                detour=DETOUR,
-            )
-            design = built(parts, shaped)
-        else:
-            design = balance(refiner.mechanism, parts.balancers, sweep, objective=refiner.objective, limits=limits)
+        design = built(parts, refiner.shaped(parts, sweep))
     except EquipoiseError as error:
         found.alternatives.append(Alternative(count, places, best.value, error.message))
         return
-    value = design.reached(aim)
-    if found.values and value > found.values[-1] * (1 - BETTER):
-        found.alternatives.append(Alternative(count, places, value, "one part more gains next to nothing"))
+    if aim.judged == "band":
+        design = replace(design, tolerance=tolerance(design, found.scatter))
+    if found.designs and design.judged > found.designs[-1].judged * (1 - BETTER):
+        found.alternatives.append(Alternative(count, places, design.judged, "one part more gains next to nothing"))
         return
     found.designs.append(design)
-    found.values.append(value)
+    found.values.append(design.reached(aim))
+    if ideal is not best:
+        words = f"{text(ideal.value, aim.unit(refiner.mechanism), 3)} before rounding to sizes"
+        found.notes.append(f"with {count}: {words}")

@@ -15,7 +15,7 @@ from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective, goal_blocks
 from equipoise.sweep import Sweep
-from equipoise.verbs.balance import task_of, tightened, unit_of
+from equipoise.tasks import task_of, tightened, unit_of
 
 ABOVE = 1e-6
 """How far above the least amount the front begins, relatively: at the least itself nothing is free."""

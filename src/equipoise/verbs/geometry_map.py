@@ -11,10 +11,11 @@ import numpy as np
 from equipoise.affine import Array, Indices
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError, nearest
+from equipoise.objective import leading
 from equipoise.parameters import candidates
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import NORMS, Norm, Program
-from equipoise.verbs.balance import task_of
+from equipoise.tasks import task_of
 
 POINTS = 41
 POSES = 400
@@ -90,8 +91,8 @@ def geometry_map(
         raise InputError(f"there is no norm {norm!r}", where="map", hint=nearest(norm, NORMS))
     if points < 2:
         raise InputError(f"{points} points make no map", where="map", hint="use at least two")
-    lead = next(index for index, aim in enumerate(design.objective) if aim.cap is None)
-    aims = tuple(replace(aim, norm=norm) if norm and i == lead else aim for i, aim in enumerate(design.objective))
+    first_aim = leading(design.objective)
+    aims = tuple(replace(aim, norm=norm) if norm and aim is first_aim else aim for aim in design.objective)
     mechanism, sweep = design.mechanism, design.sweep
     task = task_of(mechanism, design.balancers, sweep, None, aims, design.limits)
     few = sweep if len(sweep.poses) <= POSES else sweep.thinned(_most_telling(design))
@@ -114,8 +115,8 @@ def geometry_map(
         names=names,
         units=(design.units[first], design.units[second]),
         optimum=(design.geometry[first], design.geometry[second]),
-        norm=aims[lead].norm,
-        unit=aims[lead].unit(mechanism),
+        norm=leading(aims).norm,
+        unit=leading(aims).unit(mechanism),
         poses=len(few.poses),
     )
 

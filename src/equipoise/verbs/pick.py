@@ -13,11 +13,13 @@ from equipoise.assemble import Balancer
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError, nearest
+from equipoise.objective import leading
 from equipoise.parameters import read, write
 from equipoise.parts.catalogue import Catalogue
 from equipoise.parts.part import Part
 from equipoise.parts.ranking import Line, Ranking
 from equipoise.parts.request import Pick
+from equipoise.scattering import Scatter, tolerance
 from equipoise.verbs.balance import balance
 from equipoise.verbs.shape import shape
 from equipoise.verbs.survey import fittings, survey_catalogue
@@ -26,6 +28,24 @@ MOST = 200
 """Candidates that are optimised for one spring; the closed form ranks what is left out."""
 
 Progress = Callable[[str, int, int, float], None]
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A part that was shaped around: its line, the objective's value with it, and the 95 % value where that judges."""
+
+    line: Line
+    value: float
+    high: float | None = None
+
+    @property
+    def judged(self) -> float:
+        """What decides."""
+        return self.value if self.high is None else self.high
+
+    def json(self) -> dict[str, Any]:
+        """The part as design.json holds it."""
+        return {"part": self.line.part, "number": self.line.number, "value": self.value, "high": self.high}
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +59,7 @@ class Choice:
     line: Line
     order: str
     ranking: Ranking
-    tried: tuple[tuple[Line, float], ...]
+    tried: tuple[Tried, ...]
     removed: Mapping[str, int]
 
     @property
@@ -59,7 +79,7 @@ class Choice:
             "outranked": self.ranking.outranked,
             "removed": dict(self.removed),
             "refused": self.refused,
-            "tried": [{"part": line.part, "number": line.number, "value": value} for line, value in self.tried],
+            "tried": [one.json() for one in self.tried],
             "remarks": list(self.ranking.catalogue.remarks),
         }
 
@@ -82,23 +102,35 @@ class Picked:
             told += [f"{choice.ranking.outranked} outranked"] if choice.ranking.outranked else []
             told += [f"{n} refused: {words}" for words, n in choice.refused.items()]
             lines.append(f"            {'; '.join(told)}")
-            others = [f"{_count(line)} {value:.4g}" for line, value in choice.tried if line is not choice.line]
-            best = next(value for line, value in choice.tried if line is choice.line)
-            lines.append(f"            reached {best:.4g}" + (f"; next: {', '.join(others)}" if others else ""))
+            others = [f"{_count(one.line)} {_reached(one)}" for one in choice.tried if one.line is not choice.line]
+            best = next(one for one in choice.tried if one.line is choice.line)
+            lines.append(f"            reached {_reached(best)}" + (f"; next: {', '.join(others)}" if others else ""))
             lines += [f"            {remark}" for remark in choice.ranking.catalogue.remarks]
         return "\n".join(lines)
+
+
+def _reached(one: Tried) -> str:
+    return f"{one.value:.4g}" + (f" (95 %: {one.high:.4g})" if one.high is not None else "")
 
 
 def _count(line: Line) -> str:
     return f"{line.number} x {line.part}" if line.number > 1 else line.part
 
 
-def pick(design: Design, request: Pick | None = None, *, seed: int = 0, progress: Progress | None = None) -> Picked:
+def pick(
+    design: Design,
+    request: Pick | None = None,
+    *,
+    scatter: Scatter | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Picked:
     """Put a real part in the place of every ideal spring of a design, and shape the geometry around it.
 
     Springs are taken one after another, the one with the most stored energy first; while one is chosen, those not yet
     chosen stay ideal. For each, every candidate is optimised over the design's free geometry, the best few are shaped
-    with the objective's own norm and limits, and the best of those stays. A part's rest length, initial tension,
+    with the objective's own norm and limits, and the best of those stays: by value or, where the objective is judged by
+    its band, by the 95 % value under the scatter. A part's rest length, initial tension,
     working range and own mass all count. Raises InfeasibleError where no candidate keeps the limits, with
     what refused how many.
     """
@@ -111,10 +143,12 @@ def pick(design: Design, request: Pick | None = None, *, seed: int = 0, progress
         free |= {f"{name}.law.leader": request.leader for name in names}
     choices, found = [], design
     for name in names:
-        search = _Search(found, balancers, free, catalogue, removed, request.parallel, request.keep, seed)
+        search = _Search(
+            found, balancers, free, catalogue, removed, request.parallel, request.keep, scatter or Scatter(), seed
+        )
         found, balancers, choice = search.best(name, progress)
         choices.append(choice)
-    return Picked(found, design, tuple(choices))
+    return Picked(replace(found, choices=tuple(choices)), design, tuple(choices))
 
 
 def _chosen(design: Design, request: Pick) -> list[str]:
@@ -149,6 +183,7 @@ class _Search:
     removed: Mapping[str, int]
     parallel: int
     keep: int
+    scatter: Scatter
     seed: int
 
     def best(self, name: str, progress: Progress | None) -> tuple[Design, tuple[Balancer, ...], Choice]:
@@ -157,7 +192,7 @@ class _Search:
         ranking = self._ranking(name, free, progress)
         if not ranking.ranked:
             raise InfeasibleError(_none_left(name, ranking), where=f"spring {name}", hint=_nearest_miss(ranking))
-        tried: list[tuple[Line, Design, tuple[Balancer, ...]]] = []
+        tried: list[tuple[Tried, Design, tuple[Balancer, ...]]] = []
         failed: list[str] = []
         for line in _apart(ranking.ranked, self.keep):
             placed = tuple(_placed(ranking, line, self.balancers, name))
@@ -167,15 +202,21 @@ class _Search:
             except EquipoiseError as error:
                 failed.append(str(error))
             else:
-                tried.append((line, made, write(placed, made.geometry)))
+                tried.append((self._judged(line, made), made, write(placed, made.geometry)))
         if not tried:
             told = f"the best {len(failed)} candidates for {name} fail: {failed[0]}"
             raise InfeasibleError(told, where="pick", hint="raise `keep`")
-        tried.sort(key=lambda entry: (entry[1].certificate.primal, entry[0].number))
-        line, made, placed = tried[0]
+        tried.sort(key=lambda entry: (entry[0].judged, entry[0].line.number))
+        best, made, placed = tried[0]
+        line = best.line
         order = self.catalogue.spring(ranking.row(line), line.number).order_line()
-        beside = tuple((other, design.certificate.primal) for other, design, _ in tried)
+        beside = tuple(one for one, *_ in tried)
         return made, placed, Choice(name, line, order, ranking, beside, self.removed)
+
+    def _judged(self, line: Line, made: Design) -> Tried:
+        banded = leading(made.objective).judged == "band"
+        high = tolerance(made, self.scatter).band.high if banded else None
+        return Tried(line, made.certificate.primal, high)
 
     def _ranking(self, name: str, free: Mapping[str, tuple[float, float]], progress: Progress | None) -> Ranking:
         return survey_catalogue(

@@ -19,7 +19,7 @@ from equipoise.parts.catalogue import Catalogue
 from equipoise.parts.ranking import Line, Ranking
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
-from equipoise.verbs.balance import task_of
+from equipoise.tasks import task_of
 from equipoise.verbs.candidates import Work
 from equipoise.verbs.shape import freedom_of, load_of
 from equipoise.verbs.workers import shared

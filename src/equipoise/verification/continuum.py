@@ -10,9 +10,9 @@ import numpy as np
 
 from equipoise.assemble import Balancer
 from equipoise.balancers.spring import Spring
-from equipoise.design import Row
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
+from equipoise.row import Row
 from equipoise.sweep import Sweep
 from equipoise.verification.boxes import Found, search
 from equipoise.verification.estimate import estimate

@@ -14,7 +14,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import DisagreementError, EquipoiseError
 from equipoise.models.notices import listen
-from equipoise.momentum import body_inertia, wrench
+from equipoise.momentum import body_wrenches
 from equipoise.objective import pole_of
 from equipoise.sweep import Sweep
 from equipoise.verification.findings import FreeBase, JointError, MotionCheck
@@ -82,12 +82,9 @@ def _rows(design: Design, time: Array, sweep: Sweep) -> tuple[dict[str, Array], 
     states = design.mechanism.states(sweep.at(time[:, None]))
     rows, bare = design.account(states), design.account(states, bare=True)
     loads = {name: float(np.maximum(np.abs(bare[name]), np.abs(rows[name])).max()) for name in rows}
-    model = design.mechanism.model
-    for body in range(1, model.nbody):
-        place = states.placement(model.body(body).name)
-        own = np.abs(wrench(place, body_inertia(model, body)[None])[..., 0])
-        loads["force"] = max(loads["force"], float(own[:, :3].max()))
-        loads["moment"] = max(loads["moment"], float(own[:, 3:].max()))
+    own = np.abs(body_wrenches(states))
+    loads["force"] = max(loads["force"], float(own[..., :3].max()))
+    loads["moment"] = max(loads["moment"], float(own[..., 3:].max()))
     return rows, loads
 
 

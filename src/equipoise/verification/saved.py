@@ -15,9 +15,10 @@ from equipoise.balancers.flywheel import Flywheel
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.errors import EquipoiseError, InputError
+from equipoise.kinematics import kinematics
 from equipoise.mechanism import Mechanism, compile_spec
 from equipoise.models.notices import listen, refusals
-from equipoise.states import States, kinematics
+from equipoise.states import States
 from equipoise.verification.postures import by_name
 
 KEY = "balanced"

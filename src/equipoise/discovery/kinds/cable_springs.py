@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +13,13 @@ from equipoise.balancers.laws import Coil, Law
 from equipoise.balancers.paths import Cable, Pulley
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.ground import Group
-from equipoise.discovery.kinds.kind import Batch, Proposal, Scene
+from equipoise.discovery.kinds.kind import Batch, Kind, Proposal, Scene
 from equipoise.discovery.kinds.lines import FAINT, LineKind, Lines
 from equipoise.discovery.lattice import Spots
 from equipoise.errors import InputError
 from equipoise.limits import Elongation, Extension, Force, Limit
 from equipoise.mechanism import Point
+from equipoise.parts.makeable import Makeable
 from equipoise.units import Force as Newtons
 from equipoise.units import Length, Number
 
@@ -39,19 +39,22 @@ class CableSprings(LineKind):
     L is the cable's length from the spring's far end over the guide to the hook, which the offset (the cable's own
     length, cut to measure) makes the spring's length l; with l - L0 = ratio d, d from guide to hook, it acts as a
     spring of zero free length. room, m, is what the link offers from the guide to its end (default: by the link's
-    skeleton), fittings, m, what hooks and thimbles take of it; elongation the largest of the spring, a share of L0;
+    skeleton), rooms {body: room} that of single links, such as a housing on the base; fittings, m, what hooks and
+    thimbles take of it; elongation the largest of the spring, a share of L0;
     ratio that of a tackle, below 1 where the spring moves less than the cable; force in N the most of the spring.
     radius, m, is that of a guide pulley, on planar pairs and where the cable keeps to one side of it; 0 is an eye, or
-    a fairlead of small rollers. Each link of a pair is tried as the one that carries the spring.
+    a fairlead of small rollers. Each link of a pair is tried as the one that carries the spring. With make, what can be
+    wound into the room decides (a `WindableSpring` each) in the place of elongation.
     """
 
     elongation: Number = 1.0
     ratio: Number = 1.0
     room: Length | None = None
+    rooms: Mapping[str, Length] | None = None
     fittings: Length = 0.04
     radius: Length = 0.0
     force: Newtons = 5000.0
-    variants: ClassVar[int] = 2
+    make: Makeable | None = None
 
     def __post_init__(self) -> None:
         for name in ("elongation", "ratio", "force"):
@@ -71,39 +74,49 @@ class CableSprings(LineKind):
         """The largest pull of the cable, N."""
         return self.force * self.ratio
 
+    def made(self, make: Makeable) -> Kind:
+        """The same with springs that can be wound."""
+        return replace(self, make=make)
+
     def batches(self, scene: Scene) -> list[Batch]:
         """Two batches per pair: each body carries the spring once."""
         found = []
         for pair in [order for both in scene.pairs for order in (both, both[::-1])]:
             lines = Lines.of(scene, pair)
             group = scene.ground.group_of(pair[0].body)
-            rooms, _ = self.along(group, lines.a)
-            free = (rooms - self.fittings - self.radius) / (1 + self.elongation)
+            room = self.along(group, lines.a)[0] - self.fittings - self.radius
             stroke = self.ratio * (lines.longest - lines.shortest)
             reasons = {
                 "no motion changes its length": lines.longest - lines.shortest <= FAINT * lines.longest,
-                "no room for a spring along the link": free < LEAST,
-                "stroke above what a spring in the link's room can stretch": stroke > self.elongation * free,
+                "no room for a spring along the link": room < (1 + self.elongation) * LEAST,
+                "stroke above what a spring in the link's room can stretch": stroke > self.extension(room, stroke),
                 "the cable does not keep to one side of the pulley": self._winds(scene, pair, lines, group),
             }
             kept = scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b)})
             if kept.any():
-                found.append(self._carried(scene, lines.take(kept), free[kept], group))
+                found.append(self._carried(scene, lines.take(kept), room[kept], group))
         return found
+
+    def extension(self, room: Array, stroke: Array) -> Array:
+        """The largest extension (C,), m, of springs in rooms (C,) over strokes (C,)."""
+        if self.make is not None:
+            return self.make.longest_behind(stroke, room)
+        return self.elongation * room / (1 + self.elongation)
 
     def along(self, group: Group, places: Array) -> tuple[Array, Array]:
         """Room (C,), m, along the link from a guide to the link's farther end, and the way there (C, 3)."""
+        given = (self.rooms or {}).get(group.body, self.room)
         pieces = group.skeleton[:, 1] - group.skeleton[:, 0]
         lengths = np.linalg.norm(pieces, axis=1)
         longest = int(lengths.argmax())
         if lengths[longest] < STRAIGHT:
-            return np.full(len(places), self.room or 0.0), np.tile([0.0, 0.0, -1.0], (len(places), 1))
+            return np.full(len(places), given or 0.0), np.tile([0.0, 0.0, -1.0], (len(places), 1))
         unit = pieces[longest] / lengths[longest]
         at = np.clip((places - group.skeleton[longest, 0]) @ unit, 0.0, lengths[longest])
         outwards = lengths[longest] - at >= at
         room = np.where(outwards, lengths[longest] - at, at)
         return (
-            np.full(len(places), self.room) if self.room is not None else room,
+            np.full(len(places), given) if given is not None else room,
             np.where(outwards, 1.0, -1.0)[:, None] * unit,
         )
 
@@ -131,13 +144,15 @@ class CableSprings(LineKind):
         sine = (np.cross(inwards, onwards) * normal).sum(-1)
         return np.arctan2(sine, (inwards * onwards).sum(-1)).T
 
-    def _carried(self, scene: Scene, lines: Lines, free: Array, group: Group) -> Batch:
+    def _carried(self, scene: Scene, lines: Lines, room: Array, group: Group) -> Batch:
         """The batch of couples whose first body carries the spring."""
-        reach = self.elongation * free / self.ratio
+        stroke = self.ratio * (lines.longest - lines.shortest)
+        reach = self.extension(room, stroke) / self.ratio
         slack = np.maximum(lines.longest - reach, 0.0)
         tight = np.minimum(lines.shortest, lines.longest - LEAST * reach)
-        made = [self._dense(lines, {"free_length": start}) for start in (slack, tight)]
-        columns, upper = (np.concatenate([one[k] for one in made], axis=-1) for k in range(2))
+        starts = (slack, tight) if self.make is None else (slack, (slack + tight) / 2, tight)
+        laws = [{"free_length": start, "room": room, "stroke": stroke} for start in starts]
+        columns, upper, mass, spot = self.dense(scene, lines, laws)
         rooms, way = self.along(group, lines.a)
         flat = scene.ground.normal(*lines.bodies)
         side = np.ones(len(lines))
@@ -146,23 +161,54 @@ class CableSprings(LineKind):
 
         def propose(index: int, name: str) -> Proposal:
             at = index % len(lines)
-            start = float((slack, tight)[index // len(lines)][at])
-            return self._spring(name, lines, at, (float(rooms[at]), way[at], float(free[at])), start, side[at], flat)
+            start = float(starts[index // len(lines)][at])
+            law = self._law(lines.take(np.array([at])), room[[at]], start)
+            seat = (float(rooms[at]), way[at], float(room[at]), start)
+            return replace(self._spring(name, lines, at, seat, side[at], flat, law), mass=float(mass[index]))
 
         place = f"{lines.place}, spring along {lines.bodies[0]}"
-        return Batch(place, columns, None, upper, np.tile(np.arange(len(lines)), 2), propose)
+        return Batch(place, columns, None, upper, spot, propose)
+
+    def allowed(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
+        """Rates (C,), N/m, of the pull over the distance, under the force limit and of what can be wound."""
+        if self.make is None:
+            return most
+        extension = self.ratio * (lines.longest - law["free_length"])
+        return np.minimum(most, self.ratio**2 * self.make.most_behind(law["stroke"], law["room"], extension)[0])
+
+    def masses(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
+        """Own mass (C,), kg, of what can be wound."""
+        if self.make is None:
+            return super().masses(lines, law, most)
+        extension = self.ratio * (lines.longest - law["free_length"])
+        rate, option = self.make.most_behind(law["stroke"], law["room"], extension)
+        return self.make.mass_at(option, rate) * most / np.maximum(self.ratio**2 * rate, 1e-300)
+
+    def weighing(self, scene: Scene, lines: Lines) -> tuple[tuple[str, Array, float], ...]:
+        """The coil lies along its link, from its far end towards the guide."""
+        rooms, way = self.along(scene.ground.group_of(lines.bodies[0]), lines.a)
+        return ((lines.bodies[0], lines.a + rooms[:, None] * way, 0.5), (lines.bodies[0], lines.a, 0.5))
+
+    def _law(self, one: Lines, room: Array, start: float) -> Law:
+        """A coil with rate and free length open; of what can be wound the wire that allows most."""
+        if self.make is None:
+            return Coil(free_length=None)
+        stroke = self.ratio * (one.longest - one.shortest)
+        option = self.make.most_behind(stroke, room, self.ratio * (one.longest - start))[1]
+        return self.make.start(option, float(room[0]))
 
     def _spring(
         self,
         name: str,
         lines: Lines,
         at: int,
-        room: tuple[float, Array, float],
-        start: float,
+        room: tuple[float, Array, float, float],
         side: float,
         flat: tuple[Array, Array, float] | None,
+        law: Law,
     ) -> Proposal:
-        run, way, free = room
+        run, way, inside, start = room
+        free = inside / (1 + self.elongation)
         one, other = lines.bodies
         guide, hook = ([float(v) for v in p[at]] for p in (lines.a, lines.b))
         anchor = Point(one, tuple((lines.a[at] + run * way).tolist()))
@@ -178,6 +224,8 @@ class CableSprings(LineKind):
                     word = f"at.{axis}" if number == 1 else axis
                     moving[f"{name}.path.through.{number}.{word}"] = (float(low), float(high))
         force = Force(name, max=self.force)
+        if self.make is not None:
+            return Proposal(Spring(name, path, law), (force,), {**moving, **self.make.freed(name)})
         stretched = Extension(name, max=self.elongation * free)
 
         def measured(spring: Spring, values: Mapping[str, float]) -> tuple[Spring, tuple[Limit, ...]]:
@@ -187,7 +235,7 @@ class CableSprings(LineKind):
             return replace(spring, path=cut, law=Coil(free_length=free)), (force, limit)
 
         limits = (force, stretched, Elongation(name, min=0.0))
-        return Proposal(Spring(name, path, Coil(free_length=None)), limits, moving, measured)
+        return Proposal(Spring(name, path, law), limits, moving, measured)
 
     def open(self, numbers: Mapping[str, Array]) -> Law:
         """The pull of the cable over the distance from guide to hook."""

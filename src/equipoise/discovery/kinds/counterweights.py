@@ -54,4 +54,6 @@ class Counterweights(Kind):
             return Proposal(weight, (MassCap(name, self.mass),), free)
 
         upper = np.full(len(places), self.mass)
-        return Batch(spots.body, generators, coefficients, upper, np.arange(len(places)), propose, letter="w")
+        return Batch(
+            f"weight on {spots.body}", generators, coefficients, upper, np.arange(len(places)), propose, letter="w"
+        )

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.balancers.laws import Law, ZeroFreeLength
-from equipoise.discovery.kinds.kind import Batch, Proposal
+from equipoise.discovery.kinds.cable_springs import CableSprings
+from equipoise.discovery.kinds.kind import Batch, Kind, Proposal, Scene
 from equipoise.discovery.kinds.lines import LineKind, Lines
 from equipoise.limits import Force, Limit, Stroke
+from equipoise.parts.makeable import Makeable
 from equipoise.units import Force as Newtons
 from equipoise.units import Length, text
 
@@ -46,7 +48,11 @@ class Ideal(LineKind):
             return {}
         return {f"stroke above {text(self.stroke, 'm')}": lines.longest - lines.shortest > self.stroke}
 
-    def batch(self, lines: Lines) -> Batch:
+    def made(self, make: Makeable) -> Kind:
+        """What acts like it and can be wound: a coil along a link behind a cable."""
+        return CableSprings(force=self.force, make=make)
+
+    def batch(self, scene: Scene, lines: Lines) -> Batch:  # noqa: ARG002 - no column is spelled out
         """The pair's generators and the products of the places; no column is spelled out."""
 
         def propose(index: int, name: str) -> Proposal:

@@ -16,10 +16,12 @@ from equipoise.assemble import Balancer
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.ground import Ground
 from equipoise.limits import Limit
+from equipoise.mechanism import Point
 from equipoise.states import States
 
 if TYPE_CHECKING:
     from equipoise.discovery.lattice import Spots
+    from equipoise.parts.makeable import Makeable
 
 Counted = Callable[[Array], Array]
 """Effort (..., N, nd) to the rows (..., N R) that the objective counts, scaled."""
@@ -29,7 +31,8 @@ Counted = Callable[[Array], Array]
 class Scene:
     """What columns are computed over: the ground, states of one payload scenario, the rows that count, filters.
 
-    keep says which candidates may stay, by what they were refused, from places (C, 3) on both bodies of a pair;
+    keep says which candidates may stay, by what they were refused, from places (C, 3) on both bodies of a pair (and
+    the gap, m, that their lines need to bodies);
     refused counts the others by reason.
     """
 
@@ -39,8 +42,15 @@ class Scene:
     pairs: tuple[tuple[Spots, Spots], ...]
     joints: tuple[str, ...]
     bodies: tuple[Spots, ...]
-    keep: Callable[[tuple[str, str], Array, Array], Mapping[str, NDArray[np.bool_]]]
+    keep: Callable[..., Mapping[str, NDArray[np.bool_]]]
     refused: Counter[str] = field(default_factory=Counter)
+
+    def weights(self, body: str) -> Array:
+        """Counted efforts (rows, 4) of a mass of 1 kg at (1, x, y, z) of a body, m: at its origin, and per metre."""
+        corners = np.vstack([np.zeros(3), np.eye(3)])
+        there = self.states.weight_effort(Point(body, tuple(corners.T[:, :, None])), 1.0)  # type: ignore[arg-type]
+        found = self.counted(there)
+        return np.vstack([found[:1], found[1:] - found[0]]).T
 
     def sift(self, count: int, reasons: Mapping[str, NDArray[np.bool_]]) -> NDArray[np.bool_]:
         """Which of `count` candidates no reason refuses; the first reason that refuses one is counted."""
@@ -56,13 +66,15 @@ class Proposal:
     """A candidate as a balancer: its limits, the geometry that may move {parameter: (low, high)}, its own unknowns.
 
     measured makes of the shaped spring and its values what is built: what a search leaves open (the cable's length)
-    is cut to measure, and limits follow. None where nothing is.
+    is cut to measure, and limits follow. None where nothing is. mass, kg, is the own mass at the most of its unknown,
+    which goes with it.
     """
 
     balancer: Balancer
     limits: tuple[Limit, ...] = ()
     free: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     measured: Callable[[Spring, Mapping[str, float]], tuple[Spring, tuple[Limit, ...]]] | None = None
+    mass: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,8 +118,10 @@ class Kind(ABC):
     sources: ClassVar[tuple[str, ...]] = ()
     lines: ClassVar[bool] = False
     """Whether its candidates are couples of points on pairs of bodies."""
-    variants: ClassVar[int] = 1
-    """Columns per couple of points."""
+
+    def made(self, make: Makeable) -> Kind:  # noqa: ARG002 - kinds that are no wound springs stay
+        """The kind with springs that can be wound."""
+        return self
 
     @abstractmethod
     def batches(self, scene: Scene) -> list[Batch]:

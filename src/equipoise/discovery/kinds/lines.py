@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -142,25 +142,52 @@ class LineKind(Kind):
             lines = Lines.of(scene, pair)
             still = lines.longest - lines.shortest <= FAINT * lines.longest
             reasons = {"no motion changes its length": still, **self.refuses(lines)}
-            lines = lines.take(scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b)}))
+            lines = lines.take(
+                scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b, self.gap)})
+            )
             if len(lines):
-                found.append(self.batch(lines))
+                found.append(self.batch(scene, lines))
         return found
 
-    def batch(self, lines: Lines) -> Batch:
+    def batch(self, scene: Scene, lines: Lines) -> Batch:
         """Columns f(l) dl/dq of all couples and variants, per unit of their unknown."""
-        laws = self.laws(lines)
-        made = [self._dense(lines, law) for law in laws]
-        columns, upper = (np.concatenate([one[k] for one in made], axis=-1) for k in range(2))
-        spot = np.tile(np.arange(len(lines)), len(laws))
+        columns, upper, mass, spot = self.dense(scene, lines, self.laws(lines))
 
         def propose(index: int, name: str) -> Proposal:
-            return self.proposal(lines, index % len(lines), name)
+            return replace(self.proposal(lines, index % len(lines), name), mass=float(mass[index]))
 
         return Batch(lines.place, columns, None, upper, spot, propose)
 
-    def _dense(self, lines: Lines, law: Mapping[str, Array]) -> tuple[Array, Array]:
-        """Columns (rows, C) and the most of each unknown (C,) under the force limit."""
+    def dense(
+        self, scene: Scene, lines: Lines, laws: Sequence[Mapping[str, Array]]
+    ) -> tuple[Array, Array, Array, NDArray[np.intp]]:
+        """All variants: columns (rows, V C), the most of each unknown, the own mass, kg, there, and their spots (V C,).
+
+        Springs that are to be wound weigh as much as the energy they store, so their weight is part of the column.
+        """
+        found = []
+        for law in laws:
+            columns, most = self._columns(lines, law)
+            mass = self.masses(lines, law, most)
+            if mass.any():
+                heavy = mass / np.maximum(most, 1e-300)
+                for body, places, share in self.weighing(scene, lines):
+                    homogeneous = np.vstack([np.ones(len(lines)), places.T])
+                    columns += share * (scene.weights(body) @ homogeneous) * heavy
+            found.append((columns, most, mass))
+        columns, most, mass = (np.concatenate(parts, axis=-1) for parts in zip(*found, strict=True))
+        return columns, most, mass, np.tile(np.arange(len(lines)), len(laws))
+
+    def masses(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:  # noqa: ARG002 - kinds differ
+        """Own mass (C,), kg, at the most of each unknown."""
+        return np.zeros(len(lines))
+
+    def weighing(self, scene: Scene, lines: Lines) -> tuple[tuple[str, Array, float], ...]:  # noqa: ARG002
+        """Bodies and places (C, 3) that bear shares of the own mass."""
+        return tuple((body, places, 0.5) for body, places in zip(lines.bodies, (lines.a, lines.b), strict=True))
+
+    def _columns(self, lines: Lines, law: Mapping[str, Array]) -> tuple[Array, Array]:
+        """Columns (rows, C) of massless springs and the most of each unknown (C,) under the force limit."""
         rows, count = len(lines.form.pull), len(lines)
         columns, most = np.empty((rows, count)), np.empty(count)
         blocks = rows // len(lines.form.square)
@@ -171,16 +198,26 @@ class LineKind(Kind):
             ratio = force / np.maximum(length, 1e-300)
             columns[:, part] = (lines.form.pull @ lines.products(part)) * np.repeat(ratio, blocks, axis=0)
             most[part] = self.most / np.maximum(np.abs(force).max(axis=0), 1e-300)
-        return columns, most
+        return columns, self.allowed(lines, law, most)
+
+    def allowed(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:  # noqa: ARG002 - kinds differ
+        """The most of each unknown (C,), where the force limit alone leaves `most`."""
+        return most
 
     def proposal(self, lines: Lines, index: int, name: str) -> Proposal:
         """The spring on one couple."""
         one = lines.take(np.array([index]))
-        return Proposal(Spring(name, self.path(one), self.settled(one)), self.limits(name, one), one.free(name))
+        free = {**one.free(name), **self.freed(name)}
+        return Proposal(Spring(name, self.path(one), self.settled(one)), self.limits(name, one), free)
 
     def path(self, one: Lines) -> Path:
         """The path of a single couple."""
         return one.at(0)
+
+    @property
+    def gap(self) -> float:
+        """Half of its width, m: how far its line keeps from bodies where these are avoided."""
+        return 0.0
 
     @property
     @abstractmethod
@@ -202,6 +239,10 @@ class LineKind(Kind):
     @abstractmethod
     def settled(self, one: Lines) -> Law:
         """The law of a chosen couple, with everything open that the program can find."""
+
+    def freed(self, name: str) -> Mapping[str, tuple[float, float]]:  # noqa: ARG002 - kinds differ
+        """Bounds of numbers of the law that may move, by parameter."""
+        return {}
 
     @abstractmethod
     def limits(self, name: str, one: Lines) -> tuple[Limit, ...]:

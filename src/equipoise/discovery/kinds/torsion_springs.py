@@ -47,6 +47,8 @@ class TorsionSprings(Kind):
 
             coefficients = np.stack([np.ones(RESTS), rests])
             found.append(
-                Batch(joint, generators, coefficients, self.torque / turn, np.zeros(RESTS, dtype=int), propose)
+                Batch(
+                    f"about {joint}", generators, coefficients, self.torque / turn, np.zeros(RESTS, dtype=int), propose
+                )
             )
         return found

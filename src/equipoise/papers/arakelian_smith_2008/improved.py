@@ -11,7 +11,7 @@ import equipoise as eq
 from equipoise.papers.arakelian_smith_2008 import model
 from equipoise.papers.arakelian_smith_2008.model import COUNTER_ROTATED, EXACT, LEGS, SLENDER, WHEEL, L, thrice
 from equipoise.papers.paper import Improvement
-from equipoise.verbs.balance import settle, task_of
+from equipoise.tasks import settle, task_of
 
 OVER = "the regular drivers, 0.3 s"
 REACH = {"crank": 0.103433, "rod": 0.108095}

@@ -153,7 +153,7 @@ def momenta() -> eq.States:
 def torques(masses: Masses) -> Array:
     """Input torques (N, 3)."""
     at = states()
-    moved = [inertial_effort(at.placement(body), J[None])[..., 0] for body, J in bodies(masses).items()]
+    moved = [inertial_effort(at, body, J[None])[..., 0] for body, J in bodies(masses).items()]
     return np.sum([*moved, *(rotor.effort(at, "drive").b for rotor in rotors(masses))], axis=0)
 
 

@@ -320,8 +320,8 @@ def _weight_torque() -> float:
     """Largest holding torque of the force-balanced manipulator with gravity in its plane."""
     at, total = states(), 0.0
     for body, J in model.bodies(EXACT).items():
-        slope = at.placement(body).slope  # (N, nd, 3, 4)
-        total = total + 9.81 * (slope @ J[:, 3])[..., 2]
+        x, y, z = (J[:3, 3] / J[3, 3]).tolist()
+        total = total + 9.81 * J[3, 3] * at.point(eq.Point(body, (x, y, z)))[1][:, 2]
     return float(np.abs(total).max())
 
 
