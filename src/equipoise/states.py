@@ -151,7 +151,7 @@ class States:
         """
         if body not in self._affines:
             xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
-            linear, angular = self._twist(body)
+            linear, angular = self.twist(body)
             offset = xpos - self.kin.com[:, body] if ancestors(self.mechanism.model, body) else np.zeros_like(xpos)
             origin = np.concatenate([xpos[..., None], linear + np.cross(angular, offset[..., None], axis=1)], axis=2)
             turns = [
