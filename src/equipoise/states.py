@@ -155,8 +155,7 @@ class States:
             offset = xpos - self.kin.com[:, body] if ancestors(self.mechanism.model, body) else np.zeros_like(xpos)
             origin = np.concatenate([xpos[..., None], linear + np.cross(angular, offset[..., None], axis=1)], axis=2)
             turns = [
-                np.concatenate([axis, np.cross(angular, axis, axis=1)], axis=2)
-                for axis in np.split(xmat, 3, axis=2)
+                np.concatenate([axis, np.cross(angular, axis, axis=1)], axis=2) for axis in np.split(xmat, 3, axis=2)
             ]
             self._affines[body] = origin.T.reshape(-1), np.stack([turn.T.reshape(-1) for turn in turns])
         return self._affines[body]

@@ -18,14 +18,13 @@ FEWER = 0.7
 """Share of problems left at which those that are solved are put aside."""
 
 
-def elastic(
-    H: Array, q: Array, A: Array, e: Array, low: Array, high: Array, price: Array
-) -> tuple[Array, Array]:
+def elastic(H: Array, q: Array, A: Array, e: Array, low: Array, high: Array, price: Array) -> tuple[Array, Array]:
     """z (K, n) of min z'Hz/2 + q'z + price max(0, A z + e) inside low <= z <= high, and the rows' multipliers (K, m).
 
     H (K, n, n) positive definite, q (K, n), A (K, m, n), e (K, m), scaled so that entries are of order one; low and
-    high (K, n), price (K,). One more variable t >= 0 stands for the worst row, so that a point inside is known: from it Mehrotra's
-    predictor and corrector (unsourced) stays inside, beginning on the central path. Problems lie along the last axis.
+    high (K, n), price (K,). One more variable t >= 0 stands for the worst row, so that a point inside is known: from
+    there, on the central path, Mehrotra's predictor and corrector (unsourced) stays inside. Problems lie along the last
+    axis.
     """
     count, m, n = A.shape
     data = [np.ascontiguousarray(np.moveaxis(part, 0, -1)) for part in (H, q, A, price)]

@@ -24,10 +24,14 @@ Many = Callable[[Rows, Array], Program]
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """Candidates over all states: the norms (K, 3), the objective (K,), and the worst limit with its state (K,)."""
+    """Candidates over all states: the norms (K, 3), the objective (K,), and the worst limit with its state (K,).
+
+    size (K,) is what a least squares fit makes small: the root of all terms' squares.
+    """
 
     norms: Array
     value: Array
+    size: Array
     excess: Array
     limit: NDArray[np.object_]
     worst: Rows
@@ -85,13 +89,16 @@ class Best:
 
     def better_of(self, other: Best) -> Best:
         """Of each part the better one."""
-        ours = np.lexsort(
-            (
-                np.stack([self.judged.value, other.judged.value]),
-                np.stack([self.judged.amiss, other.judged.amiss]),
-            ),
-            axis=0,
-        )[0] == 0
+        ours = (
+            np.lexsort(
+                (
+                    np.stack([self.judged.value, other.judged.value]),
+                    np.stack([self.judged.amiss, other.judged.amiss]),
+                ),
+                axis=0,
+            )[0]
+            == 0
+        )
         at = np.flatnonzero(ours)
         gamma, theta = other.gamma.copy(), other.theta.copy()
         gamma[at], theta[at] = self.gamma[at], self.theta[at]
@@ -102,12 +109,13 @@ def _judged(program: Program, theta: Array) -> Judged:
     """Norms and limits of a program with a leading axis of candidates at their unknowns theta (K, P)."""
     count = len(theta)
     terms = [term for term in program.terms if term.cap is None]
-    value, norms = np.zeros(count), np.zeros((count, 3))
+    value, square, norms = np.zeros(count), np.zeros(count), np.zeros((count, 3))
     for term in reversed(terms):
         sizes = np.broadcast_to(term.magnitudes(_at(term.b, term.A, theta)), (count, len(term.weight), len(term.sizes)))
         each = {norm: norm_value(norm, sizes, term.weight) for norm in NORMS}
         norms = np.stack([each["peak"], each["rms"], each["mean"]], axis=1)
         value = value + term.factor * each[term.norm]
+        square = square + (term.factor * each["rms"]) ** 2
     excess, limit, worst = np.zeros(count), np.full(count, "", dtype=object), np.full(count, -1)
     for rows in program.rows:
         if not rows.h.shape[-1]:
@@ -121,7 +129,7 @@ def _judged(program: Program, theta: Array) -> Judged:
         excess = np.where(worse, most, excess)
         limit[worse] = rows.limit
         worst = np.where(worse, -1 if rows.state is None else rows.state[row], worst)
-    return Judged(norms, value, excess, limit, worst)
+    return Judged(norms, value, np.sqrt(square), excess, limit, worst)
 
 
 def _at(b: Array, A: Array, theta: Array) -> Array:

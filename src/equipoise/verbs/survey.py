@@ -21,6 +21,7 @@ from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
 from equipoise.tasks import task_of
 from equipoise.verbs.candidates import Work
+from equipoise.verbs.searching import Search
 from equipoise.verbs.shape import freedom_of, load_of
 from equipoise.verbs.workers import shared
 
@@ -54,12 +55,13 @@ def survey_catalogue(
 
     free {parameter: (low, high)}, SI, are the geometry's; what of it belongs to the spring's own law falls away, for a
     part's numbers are given. Up to `parallel` springs of a row side by side are tried. Each candidate is started from
-    the best of many geometries, judged in closed form, and descends by batched quadratic programming on the rms; the
-    values that count are then taken over all states, in every norm, and ranked by the objective's own. Working ranges,
-    limits and own masses count. workers processes share the work, whose answer does not depend on how many they are; a
-    script that asks for more than one needs the usual guard of multiprocessing. done are lines of an earlier run, which are not worked on again; store is handed every
-    chunk of finished lines; progress is called with (done, all, best). Of more than `most` candidates only those are
-    worked on that the closed form ranks first. Ctrl-C ends with the ranking of what is done.
+    the best of many geometries, judged in closed form, and from where its likes came to rest; it descends by batched
+    quadratic programming on the rms and goes on by the objective's norm. The values that count are taken over all
+    states, in every norm, and ranked by the objective's own. Working ranges, limits and own masses count. workers
+    processes share the work, whose answer does not depend on how many they are; a script that asks for more than one
+    needs the usual guard of multiprocessing. done are lines of an earlier run, which are not worked on again; store is
+    handed every chunk of finished lines; progress is called with (done, all, best). Of more than `most` candidates only
+    those are worked on that the closed form ranks first. Ctrl-C ends with the ranking of what is done.
     """
     name, placed = _placed(balancers, spring, catalogue)
     kept = {
@@ -72,15 +74,16 @@ def survey_catalogue(
     if not load > 0:
         raise InputError("nothing loads what counts", where="survey", hint="check gravity and joints")
     work = Work(task, name, freedoms, catalogue, states, load, seed, parallel)
+    search = Search(work)
     jobs = [(row, number) for number in range(1, parallel + 1) for row in range(len(catalogue))]
     known, outranked = {(line.part, line.number) for line in done}, 0
     if most is not None and len(jobs) > most:
-        outranked, jobs = len(jobs) - most, work.promising(jobs, most)
+        outranked, jobs = len(jobs) - most, search.promising(jobs, most)
     # Chunks are those of the whole survey, so that a survey that goes on finds what it would have found.
     chunks = [chunk for chunk in _chunks(catalogue, jobs) if not _parts(catalogue, chunk) <= known]
     lines = list(done)
     try:
-        for whole in shared(work, chunks, workers):
+        for whole in shared(search, chunks, workers):
             found = [line for line in whole if (line.part, line.number) not in known]
             lines += found
             if store:
