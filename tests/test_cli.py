@@ -180,10 +180,10 @@ def test_a_map_over_two_parameters(problem, capsys, monkeypatch):
 def test_ctrl_c_in_the_search_keeps_the_best_so_far(problem, capsys, monkeypatch):
     import signal
 
-    import equipoise.verbs.shape as verb
+    from equipoise.tasks import starts
 
     handler = signal.getsignal(signal.SIGINT)
-    plain = verb.descend
+    plain = starts.descend
     calls = []
 
     def descend(*args, **options):
@@ -193,7 +193,7 @@ def test_ctrl_c_in_the_search_keeps_the_best_so_far(problem, capsys, monkeypatch
             time.sleep(1)
         return plain(*args, **options)
 
-    monkeypatch.setattr(verb, "descend", descend)
+    monkeypatch.setattr(starts, "descend", descend)
     _, err = run(capsys, "design", problem, "--out", "out", code=130)
     assert "stopping" in err
     assert Path("out/report.html").exists()

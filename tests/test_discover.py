@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +13,7 @@ from scipy.optimize import lsq_linear
 
 import equipoise as eq
 from equipoise.assemble import effort
+from equipoise.cli import main
 from equipoise.discovery.ask import masses, tip
 from equipoise.discovery.collect import collect
 from equipoise.discovery.plain import plain_problem
@@ -272,35 +271,27 @@ def test_words_of_the_command_line():
     assert tip(arm()) == "fore"
 
 
-def test_command_line_writes_designs_that_other_verbs_accept(tmp_path):
+def test_command_line_writes_designs_that_other_verbs_accept(tmp_path, capsys):
     file = tmp_path / "arm.yaml"
     file.write_text(
         "mechanism: {chain: {links: [{name: upper, length: 0.5, mass: 3}, {name: fore, length: 0.4, mass: 2}]}}\n"
         "sweep: {sobol: 64}\n"
-        "discover: {springs: 2, kinds: [zero_free_length, torsion], candidates: 400}\n"
+        "discover: {springs: 2, kinds: [zero_free_length, torsion], candidates: 400, contenders: 2}\n"
         "objective: {norm: peak, target: 1 N m}\n",
         encoding="utf-8",
     )
 
-    def run(*words):
-        return subprocess.run(
-            [sys.executable, "-m", "equipoise", *map(str, words)], capture_output=True, text=True, check=False
-        )
-
     out = tmp_path / "out"
-    ran = run("discover", file, "--json", "--out", out)
-    assert ran.returncode == 0, ran.stderr
-    data = json.loads(ran.stdout)
+    assert main(["discover", str(file), "--json", "--out", str(out)]) == 0
+    data = json.loads(capsys.readouterr().out)
     assert [len(design["parts"]) for design in data["front"]] == [1, 2]
     assert data["front"][1]["verification"]["max_abs_error"] < 1e-9
     assert data == json.loads((out / "front.json").read_text(encoding="utf-8"))
-    again = run("verify", out / "springs_2" / "design.json", "--json", "--poses", 50)
-    assert again.returncode == 0, again.stderr
-    assert json.loads(again.stdout)["after"]["upper_joint"]["peak"] < 1.0
+    assert main(["verify", str(out / "springs_2" / "design.json"), "--json", "--poses", "50"]) == 0
+    assert json.loads(capsys.readouterr().out)["after"]["upper_joint"]["peak"] < 1.0
     file.write_text(file.read_text(encoding="utf-8").replace("springs: 2", "sprungs: 2"), encoding="utf-8")
-    ran = run("discover", file)
-    assert ran.returncode == 2
-    assert "line 3" in ran.stderr
+    assert main(["discover", str(file)]) == 2
+    assert "line 3" in capsys.readouterr().err
 
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
@@ -446,7 +437,7 @@ def test_flat_directions_of_a_found_design_are_settled_by_least_stored_energy(sm
     design = small.designs[1]
     assert "settled by least stored energy" in " ".join(design.certificate.flat)
     monkeypatch.setattr(
-        "equipoise.verbs.shape._relaxed", lambda search, best, balanced, *_, **__: (search, best, balanced)
+        "equipoise.verbs.shape.relaxed", lambda search, best, balanced, *_, **__: (search, best, balanced)
     )
     sweep = eq.Sweep.sobol(design.mechanism, 64)
     first = eq.discover(design.mechanism, sweep, eq.Discover(2, candidates=400, contenders=2), objective=small.aim)

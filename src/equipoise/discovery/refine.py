@@ -198,7 +198,7 @@ def additions(collection: Collection, refined: Refined, emphasis: Array | None, 
     columns = scene.counted(np.moveaxis(total.A, -1, 0)).T
     fixed = scene.counted(total.b - scene.states.holding)
     size = np.maximum(2.0 * np.abs(refined.theta), 1e-12)
-    there = Batch("there", columns, None, size, np.arange(len(size)), _never)
+    there = Batch("there", columns, None, size, np.arange(len(size)), _there_already)
     dictionary = replace(collection.dictionary, batches=(*collection.dictionary.batches, there))
     first = len(collection.dictionary)
     members = tuple(range(first, first + len(size)))
@@ -210,5 +210,5 @@ def additions(collection: Collection, refined: Refined, emphasis: Array | None, 
     ]
 
 
-def _never(index: int, name: str) -> Proposal:
-    raise NotImplementedError
+def _there_already(index: int, name: str) -> Proposal:
+    raise AssertionError(f"{name}, column {index}: what is there already is not proposed again")
