@@ -247,5 +247,5 @@ def test_progress_shows_only_on_a_terminal(monkeypatch, capsys):
 def test_every_command_is_in_the_help():
     assert {command.name or command.callback.__name__ for command in cli.app.registered_commands} == {
         "analyze", "conditions", "side_by_side", "balance", "shape", "discover", "design", "verify", "make",
-        "report", "compare", "reproduce", "schema", "front", "pick", "survey",
+        "report", "compare", "reproduce", "schema", "front", "pick", "survey", "substitute",
     }  # fmt: skip
