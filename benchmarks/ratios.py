@@ -386,8 +386,8 @@ def survey() -> None:
     ratio = mine[both] / theirs[both]
     note = (
         f"{(ratio <= 1.001).sum()} of {len(ratio)} rows equal or better to 0.1 %, "
-        f"worst {100 * (ratio.max() - 1):+.2f} %, best {100 * (ratio.min() - 1):+.2f} %; kept {(np.isfinite(mine) & ~both).sum()} that it refused, refused "
-        f"{(np.isfinite(theirs) & ~both).sum()} it kept; {clock:.1f} s by the clock"
+        f"worst {100 * (ratio.max() - 1):+.2f} %, best {100 * (ratio.min() - 1):+.2f} %; kept "
+        f"{(np.isfinite(mine) & ~both).sum()} that it refused, refused {(np.isfinite(theirs) & ~both).sum()} it kept; {clock:.1f} s by the clock"
     )
     told = f"SLSQP, {starts} starts, every {every}th (scaled)"
     line(f"survey, {len(stock)} springs, 4 coordinates", told, loop, ours, note)
