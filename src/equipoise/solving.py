@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import isnan
 from typing import TYPE_CHECKING
 
 from equipoise.console import Interrupts, progress_bar, say
@@ -140,7 +141,8 @@ def discovered(problem: Problem) -> tuple[Discovery, bool]:
 
         def tell(done: int, most: int, value: float) -> None:
             if progress is None:
-                say(f"discover    {done} of {most} numbers of parts done, {value:.4g} {unit}")
+                reached = "nothing gained yet" if isnan(value) else f"{value:.3g} {unit}"
+                say(f"discover    {done} of {most} numbers of parts done, {reached}")
             else:
                 progress(done, most, value)
 
