@@ -180,10 +180,10 @@ def test_a_map_over_two_parameters(problem, capsys, monkeypatch):
 def test_ctrl_c_in_the_search_keeps_the_best_so_far(problem, capsys, monkeypatch):
     import signal
 
-    import equipoise.verbs.shape as verb
+    from equipoise.tasks import starts
 
     handler = signal.getsignal(signal.SIGINT)
-    plain = verb.descend
+    plain = starts.descend
     calls = []
 
     def descend(*args, **options):
@@ -193,7 +193,7 @@ def test_ctrl_c_in_the_search_keeps_the_best_so_far(problem, capsys, monkeypatch
             time.sleep(1)
         return plain(*args, **options)
 
-    monkeypatch.setattr(verb, "descend", descend)
+    monkeypatch.setattr(starts, "descend", descend)
     _, err = run(capsys, "design", problem, "--out", "out", code=130)
     assert "stopping" in err
     assert Path("out/report.html").exists()
@@ -247,5 +247,5 @@ def test_progress_shows_only_on_a_terminal(monkeypatch, capsys):
 def test_every_command_is_in_the_help():
     assert {command.name or command.callback.__name__ for command in cli.app.registered_commands} == {
         "analyze", "conditions", "side_by_side", "balance", "shape", "discover", "design", "verify", "make",
-        "report", "compare", "reproduce", "schema", "front", "pick", "survey",
+        "report", "compare", "reproduce", "schema", "front", "pick", "survey", "substitute",
     }  # fmt: skip

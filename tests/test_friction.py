@@ -167,3 +167,68 @@ def test_the_file_sets_coefficients(tmp_path, capsys, monkeypatch):
     (tmp_path / "p.yaml").write_text(text.replace("0.3,", "-0.3,"))
     assert main(["design", "p.yaml"]) == 2
     assert "line 5" in capsys.readouterr().err
+
+
+def swinging(mechanism, drivers, balancers=(), values=None, friction=None):
+    over = eq.Sweep.motion(mechanism, drivers, duration=1.0, samples=401)
+    return over, eq.machine(mechanism, over, None, balancers, values, friction)
+
+
+def test_motors_supply_what_friction_takes():
+    """A constant force on a Scotch yoke: mu F r |sin| in the slot against the motion, work 4 mu F r (1 - cos)."""
+    arm = eq.chain([eq.Link("arm", length=0.5, mass=2.0)], gravity=(0, 0, 0))
+    yoke = eq.Spring("s", eq.ScotchYoke(eq.Angle("arm_joint"), radius=0.08), eq.Constant(50.0))
+    _, found = swinging(arm, {"arm_joint": "sin(2*pi*t/T)"}, [yoke], friction=SLIDE)
+    drive = found.drives["arm_joint"]
+    assert drive.rubbed.peak == pytest.approx(0.3 * 50 * 0.08 * np.sin(1.0), rel=1e-4)
+    # |sin q| dq over one cycle, -1 to 1 and back
+    taken = 4 * 0.3 * 50 * 0.08 * (1 - np.cos(1.0))
+    assert drive.rubbed.lost == pytest.approx(taken, rel=1e-4)
+    assert drive.rubbed.work.net == pytest.approx(drive.work.net + taken, abs=1e-4 * taken)
+    assert drive.parts["friction"].peak == 0.0  # dampers of the file: there are none
+    assert drive.json()["with_friction"]["lost"] == drive.rubbed.lost
+
+
+def test_friction_of_two_joints_at_one_contact_is_not_counted_twice():
+    """Two links that keep an absolute angle do not slide its belt: nothing is lost, whatever each would lose alone."""
+    arm = eq.chain([eq.Link("upper", length=0.4, mass=1.0), eq.Link("fore", length=0.3, mass=1.0)])
+    belt = eq.Spring("s", eq.Absolute("fore"), eq.Torsion(k=5.0, rest=1.0))
+    together = {"upper_joint": "0.5*sin(2*pi*t/T)", "fore_joint": "-0.5*sin(2*pi*t/T)"}
+    _, found = swinging(arm, together, [belt], friction=SHARE)
+    assert all(drive.rubbed is None or drive.rubbed.peak < 1e-12 for drive in found.drives.values())
+    _, alone = swinging(arm, {"upper_joint": "0.5*sin(2*pi*t/T)"}, [belt], friction=SHARE)
+    states = arm.states(eq.Sweep.motion(arm, {"upper_joint": "0.5*sin(2*pi*t/T)"}, duration=1.0, samples=401))
+    wound = np.abs(belt.force(states, {})[1])
+    assert alone.drives["upper_joint"].rubbed.peak == pytest.approx(0.05 * wound.max(), rel=1e-6)
+
+
+def test_frictionloss_of_the_file_takes_work(tmp_path):
+    (tmp_path / "arm.xml").write_text(
+        '<mujoco><option gravity="0 0 0"/><worldbody><body name="arm"><joint name="j" axis="0 1 0" frictionloss="0.7"/>'
+        '<geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0" mass="1"/></body></worldbody></mujoco>'
+    )
+    arm = eq.Mechanism.load(tmp_path / "arm.xml")
+    _, found = swinging(arm, {"j": "sin(2*pi*t/T)"})
+    rubbed = found.drives["j"].rubbed
+    assert (rubbed.peak, rubbed.lost) == (pytest.approx(0.7), pytest.approx(4 * 0.7, rel=1e-3))
+
+
+def test_the_problem_s_coefficients_reach_the_motors(tmp_path, capsys):
+    text = """
+mechanism: {chain: {links: [{name: arm, length: 0.5, mass: 2}]}}
+sweep: {motion: {arm_joint: 0.8 + 0.5*sin(2*pi*t/T)}, duration: 1 s, samples: 101}
+balancers:
+  - spring: {name: s, path: {line: [[world, 0, 0, 0.3], [arm, 0.2, 0, 0]]}, law: zero_free_length}
+objective: {goal: drive}
+friction: {pin: %s, pin_radius: 5 mm}
+"""
+    peaks = []
+    for pin in (0.1, 0.2):
+        (tmp_path / "p.yaml").write_text(text % pin)
+        assert main(["balance", str(tmp_path / "p.yaml"), "--json"]) == 0
+        machine = json.loads(capsys.readouterr().out)["machine"]
+        assert machine["before"]["drive"]["arm_joint"]["with_friction"] is None
+        peaks.append(machine["after"]["drive"]["arm_joint"]["with_friction"]["peak"])
+    assert peaks[1] == pytest.approx(2 * peaks[0])
+    assert main(["balance", str(tmp_path / "p.yaml")]) == 0
+    assert "friction beside it up to" in " ".join(capsys.readouterr().err.split())

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import equipoise as eq
-from equipoise.assemble import effort
+from equipoise.assemble import effort, setting_of
 from equipoise.limits import Setting, implied
 from equipoise.parameters import candidates, read, tag, unit_of, write
 from equipoise.verification.simulate import holding
@@ -409,6 +409,30 @@ def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
             value = np.broadcast_to(getattr(complex_row, what), (1, *getattr(base, what).shape))[0]
             difference = (getattr(plus, what) - getattr(minus, what)) / (2 * h)
             np.testing.assert_allclose(np.imag(value) / STEP, difference, atol=1e-5)
+            np.testing.assert_allclose(np.real(value), getattr(base, what), atol=1e-12)
+
+
+@pytest.mark.parametrize("goal", ["force", "moment", "both"])
+@pytest.mark.parametrize("kind", ["planar", "spatial"])
+def test_balance_in_all_motions_answers_rows_that_follow_the_geometry(posed, kind, goal):
+    """One more equality than unknowns for each of p and L, with slopes; they say the momentum, whatever the weights."""
+    mech = posed[kind][0]
+    part = eq.Counterweight("b", eq.Point(bodies(mech)[1], (0.1, 0.0, 0.05)))
+    name, h = "b.at.x", 1e-6
+
+    def rows(balancers):
+        return eq.Balanced(goal).rows(setting_of(mech, balancers, None, posed[kind][1]))
+
+    plain, up, down = (rows(write([part], {name: 0.1 + s})) for s in (0.0, h, -h))
+    exact = rows(candidates([part], [name], np.array([[0.1 + 1j * STEP]])))
+    assert len(plain) == (2 if goal == "both" else 1)
+    for base, plus, minus, complex_row in zip(plain, up, down, exact, strict=True):
+        assert base.equality
+        assert base.G.shape == (2, 1)
+        for what in ("G", "h"):
+            value = np.broadcast_to(getattr(complex_row, what), (1, *getattr(base, what).shape))[0]
+            difference = (getattr(plus, what) - getattr(minus, what)) / (2 * h)
+            np.testing.assert_allclose(np.imag(value) / STEP, difference, atol=1e-7)
             np.testing.assert_allclose(np.real(value), getattr(base, what), atol=1e-12)
 
 

@@ -110,6 +110,48 @@ def test_a_problem_file_asks_for_it():
         _ = problem(platform_x="0.22 + 0*t").sweep
 
 
+def with_weights(**changes):
+    """The same manipulator with light links and the rest of their masses as balancers of the problem."""
+    asked = dict(problem().raw)
+    builder = dict(asked["mechanism"]["rrr3"])
+    builder |= {"crank_masses": [0.5] * 3, "crank_coms": [[0.09, 0]] * 3, "crank_inertias": [0.00135] * 3}
+    mass = 7.2 - 0.5
+    place = (7.2 * -0.09 - 0.5 * 0.09) / mass
+    weights = [
+        {"counterweight": {"name": f"w{i}", "at": [f"crank_{i}", place, 0, 0], "mass": mass} | changes}
+        for i in (1, 2, 3)
+    ]
+    return problem_of(Document("", asked | {"mechanism": {"rrr3": builder}, "balancers": weights}), None)
+
+
+def test_the_balancers_of_a_problem_file_count():
+    """Without its counterweights the force is not balanced; with them the motion leaves no moment."""
+    asked = with_weights()
+    states = asked.mechanism.states(asked.sweep)
+    for goal in ("force", "moment"):
+        total, bare = effort(asked.mechanism, asked.balancers, states, goal), asked.mechanism.effort(states, goal)
+        assert np.abs(total.b).max() < 1e-8 * np.abs(bare.b).max()
+    path = {"platform_x": "0.23 - 0.02*(1 - cos(2*pi*t/T))", "platform_z": "0.05"}
+    with pytest.raises(eq.InfeasibleError, match="the force is not balanced"):
+        eq.Sweep.reactionless(asked.mechanism, path, duration=0.5)
+    with pytest.raises(eq.InputError, match=r"the motion depends on w1\.m, which is still to be found"):
+        _ = with_weights(mass=None).sweep
+
+
+def test_springs_without_mass_change_no_motion():
+    links = [
+        eq.Link("arm", length=0.3, mass=2.0, com=-0.15),
+        eq.Link("wheel", length=0.2, mass=1.0, com=0, inertia=0.02),
+    ]
+    arm = eq.chain(links, gravity=(0, 0, 0))
+    spring = eq.Spring("s", eq.Line(eq.Point("world", (0, 0, 0.2)), eq.Point("arm", (0.1, 0, 0))), eq.ZeroFreeLength())
+    found = [
+        eq.Sweep.reactionless(arm, {"arm_joint": "0.4*(1 - cos(2*t))"}, duration=1.0, samples=9, balancers=added)
+        for added in ((), (spring,))
+    ]
+    np.testing.assert_array_equal(found[0].poses, found[1].poses)
+
+
 def test_why_there_is_none():
     bar = eq.four_bar(0.14, 0.05, 0.15, 0.125, masses=(0.1, 0.3, 0.25), gravity=(0, 0, 0))
     with pytest.raises(eq.InfeasibleError, match="the force is not balanced"):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import functools
+import json
 
 import numpy as np
 import pytest
 
 import equipoise as eq
+from equipoise.cli import main
 from equipoise.papers import paper
 from equipoise.papers.arakelian_smith_2008 import model
 from test_rrr3 import PINS, manipulator
@@ -115,6 +117,32 @@ def test_point_masses_in_space():
     found = eq.point_masses(true.sum(), r, com=com, inertia=np.trace(S) * np.eye(3) - S)
     np.testing.assert_allclose(np.einsum("n,ni,nj->ij", found.masses, r - com, r - com), S, atol=1e-12)
     assert (found.masses >= 0).all()
+
+
+def test_a_body_is_substituted_on_the_command_line(capsys, tmp_path):
+    """The links and a plate of a four-bar: masses on stdout, exit code 1 with what would mend it, 2 for bad input."""
+    (tmp_path / "bar.yaml").write_text(
+        "mechanism: {four_bar: {ground: 300 mm, crank: 80 mm, coupler: 320 mm, rocker: 200 mm, masses: [1, 2, 3]}}\n"
+        "limits: [{mass: nothing, max: 1}]\n"  # what else stands in the file need not fit
+    )
+    name = str(tmp_path / "bar.yaml")
+    assert main(["substitute", name, "coupler", "--kind", "static", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["masses"] == pytest.approx([1.0, 1.0])
+    assert found["left"] == pytest.approx(2 * 0.32**2 / 12 - 2 * 0.16**2)
+    # a rod is 1/6, 4/6, 1/6 of its mass at its ends and middle
+    points = [arg for at in ("0", "160 mm", "0.32") for arg in ("--point", f"{at}, 0, 0")]
+    assert main(["substitute", name, "coupler", "--json", *points]) == 0
+    assert json.loads(capsys.readouterr().out)["masses"] == pytest.approx([1 / 3, 4 / 3, 1 / 3])
+    assert main(["substitute", name, "coupler"]) == 1
+    assert "or add a ring of" in capsys.readouterr().err
+    for extra, words in (
+        (["--kind", "some"], "there is no substitution 'some'"),
+        (["--point", "1, 2"], "a point has three coordinates"),
+        (["--point", "1 kg, 0, 0"], "expected a quantity in m"),
+    ):
+        assert main(["substitute", name, "coupler", *extra]) == 2
+        assert words in capsys.readouterr().err
 
 
 def test_a_platform_is_substituted_at_its_pins():

@@ -14,6 +14,7 @@ from equipoise.assemble import Balancer
 from equipoise.balancers.flywheel import Flywheel, FlywheelLaw
 from equipoise.cases import Settings
 from equipoise.certificate import Certificate
+from equipoise.friction import Friction
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, leading, pole_of
@@ -42,7 +43,8 @@ class Design:
     whose poses were found between the samples; problem is the file it came from, where there was one; settings say
     what is adjusted from case to case, where a design serves several; places are where springs were put among equals;
     cables says how a cable platform behaves with its springs, made are the cams and drums cut for them; tolerance says
-    how it scatters when parts are as they come, dead_band what friction covers, choices which parts were picked.
+    how it scatters when parts are as they come, dead_band what friction covers, choices which parts were picked;
+    friction are the coefficients of what rubs.
     """
 
     mechanism: Mechanism
@@ -69,6 +71,7 @@ class Design:
     tolerance: Tolerance | None = None
     dead_band: DeadBand | None = None
     choices: tuple[Choice, ...] = ()
+    friction: Friction = field(default_factory=Friction)
 
     @property
     def norm(self) -> str:
@@ -163,8 +166,8 @@ class Design:
         """Motors and bearings over the motion, before and after; None for poses at rest."""
         from equipoise.machinery import machine
 
-        before = machine(self.mechanism, self.sweep, self.states)
-        after = machine(self.mechanism, self.sweep, self.states, self.balancers, self.values)
+        before = machine(self.mechanism, self.sweep, self.states, friction=self.friction)
+        after = machine(self.mechanism, self.sweep, self.states, self.balancers, self.values, self.friction)
         return (before, after) if before and after else None
 
     @property

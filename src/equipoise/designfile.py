@@ -37,7 +37,7 @@ def with_problem(design: Design, problem: Problem, out: Path | None) -> Design:
     record = {"file": file, "folder": Path(folder).as_posix(), "content": problem.raw}
     if design.settings is not None:
         record["case"] = design.settings.case
-    return replace(design, problem=record)
+    return replace(design, problem=record, friction=problem.content.friction)
 
 
 def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
@@ -89,6 +89,7 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         refined=int(data.get("refined") or 0),
         problem=record,
         places=places,
+        friction=problem.content.friction,
     )
     return problem, design, tuple(_changes(design, data))
 

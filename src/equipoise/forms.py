@@ -64,14 +64,22 @@ class Later:
         """Call the constructor, the mechanism first where it takes one."""
         return self.constructor(*leading, **{**self.arguments, **changed})
 
+    def asks(self, name: str) -> bool:
+        """Whether the constructor takes something of this name."""
+        return name in inspect.signature(self.constructor).parameters
+
+
+HANDED = ("mechanism", "balancers")
+"""What functions that build from a problem get from it."""
+
 
 @functools.cache
 def parameters(constructor: Constructor) -> dict[str, tuple[Any, bool, bool]]:
-    """Fields of a constructor in order: {name: (type, required, may be null)}; a leading `mechanism` is no field."""
+    """Fields of a constructor in order: {name: (type, required, may be null)}; what the problem hands over is none."""
     hints = typing.get_type_hints(constructor, include_extras=True)
     found = {}
     for name, parameter in inspect.signature(constructor).parameters.items():
-        if name == "mechanism" and not is_dataclass(constructor):
+        if name in HANDED and not is_dataclass(constructor):
             continue
         hint = hints.get(name, str)
         empty = type(None) in typing.get_args(hint)

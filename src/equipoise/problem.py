@@ -47,7 +47,7 @@ class Problem:
         if branch is None:
             return made
         with self.at("sweep"):
-            first = None if later is None else later(made).poses[0]
+            first = None if later is None else self._swept(later, made).poses[0]
         with self.at("branch"):
             return made.on_branch(branch, first)
 
@@ -59,7 +59,11 @@ class Problem:
             if later is None:
                 return Sweep.sobol(self.mechanism)
             self._joint_units(later)
-            return later(self.mechanism)
+            return self._swept(later, self.mechanism)
+
+    def _swept(self, later: Later, mechanism: Mechanism) -> Sweep:
+        """A sweep of the mechanism, with what is added where the sweep depends on it."""
+        return later(mechanism, **({"balancers": self.content.balancers} if later.asks("balancers") else {}))
 
     @functools.cached_property
     def trajectory(self) -> Sweep | None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from math import isnan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from equipoise.console import Interrupts, progress_bar, say
 from equipoise.design import Design
@@ -87,9 +89,7 @@ def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adju
     """One design for all cases of a file, with progress on stderr; whether Ctrl-C cut the search short."""
     from equipoise.verbs.adjust import adjust
 
-    search = problem.search
-    unit = leading(problem.objective).unit(problem.mechanism)
-    with problem.at_names(), Interrupts() as interrupts, progress_bar("adjust", "starts", unit) as progress:
+    with _searching(problem, "adjust", seed, starts) as (interrupts, options):
         found = adjust(
             problem.cases,
             problem.balancers,
@@ -97,9 +97,7 @@ def served(problem: Problem, seed: int | None, starts: int | None) -> tuple[Adju
             problem.bounds,
             objective=problem.objective,
             limits=problem.limits,
-            starts=search.starts if starts is None else starts,
-            seed=search.seed if seed is None else seed,
-            progress=progress,
+            **options,
         )
     return found, interrupts.hit
 
@@ -216,9 +214,7 @@ def banded(design: Design, problem: Problem) -> Design:
 
 def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Design, bool]:
     """Geometry and unknowns, with progress on stderr; whether Ctrl-C cut the search short."""
-    search = problem.search
-    unit = leading(problem.objective).unit(problem.mechanism)
-    with problem.at_names(), Interrupts() as interrupts, progress_bar("shape", "starts", unit) as progress:
+    with _searching(problem, "shape", seed, starts) as (interrupts, options):
         found = verbs_shape.shape(
             problem.mechanism,
             problem.balancers,
@@ -226,10 +222,25 @@ def shaped(problem: Problem, seed: int | None, starts: int | None) -> tuple[Desi
             problem.bounds,
             objective=problem.objective,
             limits=problem.limits,
-            starts=search.starts if starts is None else starts,
-            seed=search.seed if seed is None else seed,
-            progress=progress,
+            **options,
         )
     if interrupts.hit:
         say(f"the search was stopped by hand: the best of {found.certificate.starts} starts")
     return _behaving(found, problem), interrupts.hit
+
+
+@contextmanager
+def _searching(
+    problem: Problem, verb: str, seed: int | None, starts: int | None
+) -> Iterator[tuple[Interrupts, dict[str, Any]]]:
+    """Names of the file before errors, Ctrl-C remembered, progress on stderr; with the search's own options."""
+    search, unit = problem.search, leading(problem.objective).unit(problem.mechanism)
+    with problem.at_names(), Interrupts() as interrupts, progress_bar(verb, "starts", unit) as progress:
+        yield (
+            interrupts,
+            {
+                "starts": search.starts if starts is None else starts,
+                "seed": search.seed if seed is None else seed,
+                "progress": progress,
+            },
+        )

@@ -281,16 +281,19 @@ class Sweep:
         duration: Time,
         start: Mapping[str, Joint] | None = None,
         samples: int = INSTANTS,
+        balancers: Sequence[Any] = (),
     ) -> Sweep:
         """The motion of a force-balanced mechanism along a path that leaves no moment at the base.
 
         path {joint: driver} prescribes as many joints, driven or not (`platform_x`), as zero angular momentum leaves;
         what is left open, such as the platform's orientation, follows: see `reactionless_motion`. It begins at the
-        reference, or at `start` {driven joint: position}.
+        reference, or at `start` {driven joint: position}. The masses of balancers count, and must be known; a problem
+        file hands over its own.
         """
         from equipoise.verbs.reactionless import reactionless_motion
 
-        return reactionless_motion(mechanism, path, duration=duration, start=start).sweep(samples)
+        found = reactionless_motion(mechanism, path, duration=duration, start=start, balancers=balancers)
+        return found.sweep(samples)
 
     @staticmethod
     def any_motion(

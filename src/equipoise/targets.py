@@ -42,6 +42,13 @@ def target_of(name: str) -> Target:
     return Target(problem)
 
 
+def mechanism_of(name: str) -> Mechanism:
+    """The mechanism alone: nothing else in the file needs to fit it, or be there."""
+    if _kind(name) == "problem":
+        return load_problem(name).mechanism
+    return target_of(name).problem.mechanism
+
+
 def _kind(name: str) -> str:
     path = Path(name)
     suffix = path.suffix.lower()

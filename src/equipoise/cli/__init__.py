@@ -10,6 +10,7 @@ __all__ = ["app", "main"]
 for command in (
     needs.analyze,
     needs.conditions,
+    needs.substitute,
     solve.balance,
     solve.shape,
     solve.design,

@@ -54,7 +54,7 @@ class Collection:
         """A candidate as the number-th balancer of a design at a share of its most, with what is asked of all."""
         found = self.dictionary.propose(index, number)
         if found.mass:
-            found = replace(found, balancer=replace(found.balancer, mass=share * found.mass))  # type: ignore[call-arg]
+            found = replace(found, balancer=replace(found.balancer, mass=share * found.mass))
         spring, what = found.balancer, self.request.avoid
         if what == "nothing" or not (isinstance(spring, Spring) and isinstance(spring.path, Line | Cable)):
             return found

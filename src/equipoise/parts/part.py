@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Self
@@ -98,9 +99,9 @@ class Part(Law):
         """What of its numbers has no source that was opened."""
         return ()
 
+    @abstractmethod
     def order_line(self) -> str:
         """How the part is ordered."""
-        raise NotImplementedError
 
     def record(self, length: Array) -> dict[str, Any]:
         """Order line, utilisation over lengths (N,) and what is unsourced, as design.json holds them."""
@@ -119,14 +120,14 @@ class StraightPart(Part):
     """A part with a straight force line f = tension + k (l - rest)."""
 
     @property
+    @abstractmethod
     def k(self) -> Any:
         """Rate, N/m or N m/rad, of all the springs in parallel."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def rest(self) -> Any:
         """Length, m or angle, rad, at which the tension acts."""
-        raise NotImplementedError
 
     @property
     def tension(self) -> Any:

@@ -37,10 +37,23 @@ def motor_words(machines: Sequence[Machine]) -> list[tuple[str, str]]:
             shares = "; ".join(f"{part} {_change([d.parts[part].rms for d in drives])}" for part in parts)
             words.append(f"rms by cause: {shares}")
         words += _work([drive.work for drive in drives])
+        words += [friction_words(drives[-1])] if drives[-1].rubbed else []
         lines.append((f"motor {joint}", "; ".join(words)))
     if len(machines[0].drives) > 1:
         lines += [("all motors", words) for words in _work([machine.supply for machine in machines])]
     return lines
+
+
+def friction_words(drive: Drive) -> str:
+    """What friction adds to a motor and what it takes; nothing where nothing rubs."""
+    found, unit = drive.rubbed, drive.effort.unit
+    if found is None:
+        return ""
+    words = f"friction beside it up to {sig(found.peak, 3)}, rms {sig(found.rms, 3)} {unit}"
+    words += f", with it peak {sig(found.effort_peak)}, rms {sig(found.effort_rms)} {unit}"
+    if found.lost is not None and found.work is not None:
+        words += f"; it takes {sig(found.lost, 3)} J, work {sig(found.work.positive)} J"
+    return words
 
 
 def bearing_words(machines: Sequence[Machine]) -> list[tuple[str, str]]:
@@ -94,9 +107,16 @@ def motors(machines: Sequence[Machine]) -> Raw:
         "Motors and bearings over the motion",
         made,
         element("p", NOTE, class_="note"),
+        *([element("p", f"{told}.")] if (told := _friction(machines)) else []),
         carried,
         element("p", BEARINGS, opened, class_="note"),
     )
+
+
+def _friction(machines: Sequence[Machine]) -> str:
+    """A sentence on the friction of each motor with the parts."""
+    drives = machines[-1].drives
+    return "; ".join(f"{joint}: {friction_words(drive)}" for joint, drive in drives.items() if drive.rubbed)
 
 
 def _groups(width: int) -> str:

@@ -11,6 +11,8 @@ from numpy.polynomial import chebyshev
 
 from equipoise.affine import Array, Indices
 from equipoise.assemble import Balancer
+from equipoise.balancers.flywheel import Flywheel
+from equipoise.balancers.spring import Spring
 from equipoise.errors import InfeasibleError, InputError, LoopError, nearest
 from equipoise.loops import close_loops, tighten_loops
 from equipoise.loops.posture import integrate
@@ -80,7 +82,8 @@ def reactionless_motion(
     Raises InfeasibleError where force is not balanced, where every motion turns the base, and where the path can only
     be followed by turning it, with the time; LoopError at singularities; InputError for paths that do not fit.
     """
-    values, model = values or {}, mechanism.model
+    model = mechanism.model
+    balancers, values = _moving(balancers, values or {})
     if not duration > 0:
         raise InputError(f"the duration is {duration:g} s", where="reactionless")
     joints = [mechanism.joint_id(name) for name in path]
@@ -108,6 +111,23 @@ def reactionless_motion(
         for k, joint in enumerate(mechanism.driven)
     }
     return ReactionlessMotion(mechanism, duration, found, spin_form(mechanism, balancers, values))
+
+
+def _moving(
+    balancers: Sequence[Balancer], values: Mapping[str, float]
+) -> tuple[tuple[Balancer, ...], Mapping[str, float]]:
+    """What moves masses, with values of all unknowns; a spring's unknowns move none."""
+    moving = tuple(b for b in balancers if not isinstance(b, Spring) or b.masses)
+    known = {unknown.name: 0.0 for b in moving if isinstance(b, Spring) for unknown in b.unknowns} | dict(values)
+    for balancer in moving:
+        missing = [unknown.name for unknown in balancer.unknowns if unknown.name not in known]
+        if missing and not isinstance(balancer, Flywheel):
+            raise InputError(
+                f"the motion depends on {', '.join(missing)}, which is still to be found",
+                where=f"reactionless, {balancer.name}",
+                hint="give the mass and the place of all that is added: balance over `any_motion` finds them first",
+            )
+    return moving, known
 
 
 def _rows(

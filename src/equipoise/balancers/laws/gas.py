@@ -10,8 +10,9 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.balancers.laws.charge import ROOM, STANDARD, Charge, gas_details, polytrope, positive, say
-from equipoise.balancers.laws.law import Law, Share
+from equipoise.balancers.laws.law import Share
 from equipoise.balancers.laws.nitrogen import Nitrogen
+from equipoise.balancers.laws.piston import Piston
 from equipoise.errors import InputError
 from equipoise.units import Area, Length, Number, Pressure, Temperature, Volume
 
@@ -20,7 +21,7 @@ LEAST = 1e-2
 
 
 @dataclass(frozen=True)
-class Gas(Law):
+class Gas(Piston):
     """A gas spring or strut: gas in a cylinder, and whatever bottle is connected to it.
 
         V = V0 - s A (l - l0),   P = P0 (T / T0)^h (V0 / V)^n,   f = s (P - Pa) A,   s = +1 `pull`, -1 `push`
@@ -51,11 +52,6 @@ class Gas(Law):
     temperature: Temperature = ROOM
     sources: ClassVar[tuple[str, ...]] = ("quaglia_yin_2015",)
 
-    @property
-    def drag(self) -> float | None:
-        """The seals' friction is not stated."""
-        return None
-
     def __post_init__(self) -> None:
         for name in ("area", "volume", "charged_at", "temperature"):
             positive(getattr(self, name), name, "law gas")
@@ -72,26 +68,6 @@ class Gas(Law):
     @property
     def _charge(self) -> Charge:
         return Charge("pressure", self.pressure, self.reading, self.ambient)
-
-    @property
-    def degree(self) -> int | None:
-        """No polynomial."""
-        return None
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """How it acts and how its charge is read."""
-        return f"{self.action}es" if self.pushes else f"{self.action}s", f"{self.reading} charge"
-
-    @property
-    def pushes(self) -> bool:
-        """Whether it is a strut that pushes its ends apart."""
-        return self.action == "push"
-
-    @property
-    def side(self) -> float:
-        """s: +1 where the gas pulls, -1 where it pushes."""
-        return -1.0 if self.pushes else 1.0
 
     @property
     def span(self) -> tuple[Any, Any]:
@@ -139,10 +115,6 @@ class Gas(Law):
         gas = Share("gas", "Pa", None, push * heat * ratio, energy, slope)
         one = np.ones_like(real)
         return gas, Share("air", "Pa", None, -push * one, real - self.volume, 0.0 * one)
-
-    def pressures(self, length: Array, values: Mapping[str, float]) -> Array:
-        """Absolute pressure P (N,), Pa, at lengths (N,), m."""
-        return self.side * self.force_at(length, values) / self.area + self.ambient
 
     def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
         """Pressures and volumes over the lengths, and where a real gas's exponent was read."""

@@ -12,8 +12,9 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.laws.charge import ROOM, STANDARD, Charge, gas_details, positive, say
 from equipoise.balancers.laws.gas import LEAST, Gas
-from equipoise.balancers.laws.law import Law, Share
+from equipoise.balancers.laws.law import Share
 from equipoise.balancers.laws.nitrogen import Nitrogen
+from equipoise.balancers.laws.piston import Piston
 from equipoise.errors import InputError
 from equipoise.units import Area, Length, Number, Pressure, Temperature, Volume
 
@@ -21,7 +22,7 @@ NITROGEN = Nitrogen()
 
 
 @dataclass(frozen=True)
-class HydroPneumatic(Law):
+class HydroPneumatic(Piston):
     """A hydraulic cylinder on an accumulator: the oil does not give, the gas behind the bladder does.
 
         V = V0 - s A (l - l0),   P0 = Pc (T / T0)^h (Va / V0)^nT,   P = P0 (V0 / V)^n,   f = s (P - Pa) A
@@ -49,11 +50,6 @@ class HydroPneumatic(Law):
     charged_at: Temperature = ROOM
     temperature: Temperature = ROOM
     sources: ClassVar[tuple[str, ...]] = ("quaglia_yin_2015",)
-
-    @property
-    def drag(self) -> float | None:
-        """The seals' friction is not stated."""
-        return None
 
     def __post_init__(self) -> None:
         where = "law hydro_pneumatic"
@@ -102,26 +98,10 @@ class HydroPneumatic(Law):
         return Charge("precharge", self.precharge, self.reading, self.ambient)
 
     @property
-    def degree(self) -> int | None:
-        """No polynomial."""
-        return None
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """How it acts and how its charge is read."""
-        return f"{self.action}es" if self.pushes else f"{self.action}s", f"{self.reading} charge"
-
-    @property
-    def pushes(self) -> bool:
-        """Whether it is a strut that pushes its ends apart."""
-        return self.action == "push"
-
-    @property
     def span(self) -> tuple[Any, Any]:
         """Lengths at which there are both gas and oil in the accumulator."""
-        side = -1.0 if self.pushes else 1.0
-        full = self.length + side * self.volume / self.area * (1 - LEAST)
-        empty = self.length - side * (self.accumulator - self.volume) / self.area
+        full = self.length + self.side * self.volume / self.area * (1 - LEAST)
+        empty = self.length - self.side * (self.accumulator - self.volume) / self.area
         return (full, empty) if self.pushes else (empty, full)
 
     @property
@@ -136,11 +116,6 @@ class HydroPneumatic(Law):
         lift = self._filling(gas.exponent)
         lifted = {what: lift * getattr(per_charge, what) for what in ("basis", "integral", "slope")}
         return self._charge.shares(replace(per_charge, **lifted), air)
-
-    def pressures(self, length: Array, values: Mapping[str, float]) -> Array:
-        """Absolute pressure P (N,), Pa, at lengths (N,), m."""
-        side = -1.0 if self.pushes else 1.0
-        return side * self.force_at(length, values) / self.area + self.ambient
 
     def details(self, values: Mapping[str, float], length: Array) -> dict[str, tuple[Any, str]]:
         """Pressures, gas volume and oil over the lengths."""

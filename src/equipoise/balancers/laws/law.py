@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
@@ -34,7 +35,7 @@ class Share:
 
 
 @dataclass(frozen=True)
-class Law:
+class Law(ABC):
     """Common ground of the laws: a law says its shares, the rest follows.
 
     along names the units of the paths that the law acts on: `m` for lengths, `rad` for angles, whose forces are
@@ -86,9 +87,9 @@ class Law:
         """What the ends of the span are called in messages."""
         return "span"
 
+    @abstractmethod
     def shares(self, length: Array) -> tuple[Share, ...]:
         """The law's parameters with force and energy per unit of each, at lengths (..., N)."""
-        raise NotImplementedError
 
     def unknowns(self, owner: str, along: str = "m") -> tuple[Unknown, ...]:
         """The unknowns that the program must find, named `owner.parameter`, on a path in m or rad."""

@@ -57,7 +57,7 @@ class Cable(Path):
         found = []
         for index in range(1, len(self.through) - 1):
             before, after = cable.direction[:, index - 1], cable.direction[:, index]
-            pace = np.abs(cable.rate)
+            pace = cable.rate[:, None]
             if cable.nodes[index].wraps:
                 wrap = np.maximum(cable.wrap[:, index], 0.0)
                 found.append(Rub("rope", np.abs(self.ratio) * wrap / np.pi, pace))

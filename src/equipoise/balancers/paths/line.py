@@ -53,7 +53,7 @@ class Line(Path):
         for point in (self.a, self.b):
             against = swing - states.rotation(point.body)[1]
             twist = gap[..., None] * np.einsum("ni,nij->nj", gap, against)[:, None, :] / square
-            found.append(Rub("pin", one, np.linalg.norm(against - twist, axis=1)))
+            found.append(Rub("pin", one, against - twist))
         return tuple(found)
 
     def ends(self) -> tuple[tuple[Point, float], ...]:

@@ -15,15 +15,21 @@ Kind = Literal["pin", "slide", "rope", "mesh"]
 
 @dataclass(frozen=True, eq=False)
 class Rub:
-    """A contact of a path: load (N,) per newton (or newton metre) of the spring, pace (N, nd) >= 0 per joint's rate.
+    """A contact of a path: load (N,) per newton (or newton metre) of the spring, and how it slides per joint's rate.
 
-    kind `pin`: a plain bearing, pace in rad, `slide`: a guide, pace in m, both loaded in N; `rope`: a cable over half a
-    turn of sheave, and `mesh`: a gear or belt, which lose a share of the power, load times pace.
+    slide (N, k, nd) is the Jacobian of what slides, a number (k = 1) or a vector. kind `pin`: a plain bearing, in rad,
+    `slide`: a guide, in m, both loaded in N; `rope`: a cable over half a turn of sheave, and `mesh`: a gear or belt,
+    which lose a share of the power, load times pace.
     """
 
     kind: Kind
     load: Array
-    pace: Array
+    slide: Array
+
+    @property
+    def pace(self) -> Array:
+        """How fast it slides (N, nd) as each joint moves by itself, not negative."""
+        return np.linalg.norm(self.slide, axis=1)
 
     def geared(self, slope: Array) -> Rub:
         """The same contact where the spring acts through a slope dl/du (N,)."""
@@ -37,10 +43,10 @@ def turning(u: Array, *contacts: tuple[Kind, Any, Any]) -> tuple[tuple[Kind, Arr
 
 def of_crank(contacts: Sequence[tuple[Kind, Array, Array]], rate: Array) -> list[Rub]:
     """Contacts per rad of a crank as contacts per joint: rate (N, nd) is du/dq."""
-    return [Rub(kind, load, pace[:, None] * np.abs(rate)) for kind, load, pace in contacts]
+    return [Rub(kind, load, (pace[:, None] * rate)[:, None]) for kind, load, pace in contacts]
 
 
 def after(kind: Kind, rate: Array, slope: float = 1.0, before: Sequence[Rub] = ()) -> tuple[Rub, ...]:
     """One contact that passes the spring's whole power, l following q at a rate (N, nd), and those before it."""
     one = np.ones(len(rate))
-    return (Rub(kind, one, np.abs(rate)), *(rub.geared(slope * one) for rub in before))
+    return (Rub(kind, one, rate[:, None]), *(rub.geared(slope * one) for rub in before))

@@ -6,21 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.balancers.laws import Law, ZeroFreeLength
 from equipoise.discovery.kinds.cable_springs import CableSprings
 from equipoise.discovery.kinds.kind import Batch, Kind, Proposal, Scene
-from equipoise.discovery.kinds.lines import LineKind, Lines
-from equipoise.limits import Force, Limit, Stroke
+from equipoise.discovery.kinds.lines import Lines
+from equipoise.discovery.kinds.pulled import PulledLine
 from equipoise.parts.makeable import Makeable
 from equipoise.units import Force as Newtons
-from equipoise.units import Length, text
 
 
 @dataclass(frozen=True)
-class Ideal(LineKind):
+class Ideal(PulledLine):
     """Springs of zero free length, f = k l: what a cable over a guide makes of a coil.
 
         dV/dq = k sum_ij a_i b_j E_ij(q),   a = (1, a_x, a_y, a_z), b likewise
@@ -30,23 +28,11 @@ class Ideal(LineKind):
     """
 
     force: Newtons = 5000.0
-    stroke: Length | None = None
 
     @property
     def words(self) -> str:
         """Zero free length."""
         return "zero free length"
-
-    @property
-    def most(self) -> float:
-        """The largest force, N."""
-        return self.force
-
-    def refuses(self, lines: Lines) -> Mapping[str, NDArray[np.bool_]]:
-        """The stroke."""
-        if self.stroke is None:
-            return {}
-        return {f"stroke above {text(self.stroke, 'm')}": lines.longest - lines.shortest > self.stroke}
 
     def made(self, make: Makeable) -> Kind:
         """What acts like it and can be wound: a coil along a link behind a cable."""
@@ -68,8 +54,3 @@ class Ideal(LineKind):
     def settled(self, one: Lines) -> Law:  # noqa: ARG002
         """f = k l."""
         return ZeroFreeLength()
-
-    def limits(self, name: str, one: Lines) -> tuple[Limit, ...]:  # noqa: ARG002
-        """Force and stroke."""
-        found: tuple[Limit, ...] = (Force(name, max=self.force),)
-        return found if self.stroke is None else (*found, Stroke(name, max=self.stroke))
