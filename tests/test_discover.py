@@ -163,7 +163,8 @@ def test_two_ideal_springs_balance_a_planar_arm():
     """One spring leaves the elbow's own torque; a second to the forearm takes all of it."""
     mech = arm()
     seen = []
-    front = eq.discover(mech, eq.Sweep.sobol(mech, 256), eq.Discover(3), progress=lambda *told: seen.append(told))
+    request = eq.Discover(3, candidates=1500, contenders=2)
+    front = eq.discover(mech, eq.Sweep.sobol(mech, 128), request, progress=lambda *told: seen.append(told))
     elbow = 2.0 * G * np.hypot(0.15, 0.02)
     assert front.before == pytest.approx(G * (3 * 0.25 + 2 * (0.5 + np.hypot(0.15, 0.02))), rel=1e-3)
     assert [len(design.balancers) for design in front.designs] == [1, 2]
@@ -177,8 +178,8 @@ def test_two_ideal_springs_balance_a_planar_arm():
 
 def test_a_payload_range_ends_at_half_of_its_own_torque():
     mech = arm()
-    sweep = eq.Sweep.sobol(mech, 128, payload=[eq.Payload("fore", (0.0, 2.0), (0.4, 0.0, 0.0))])
-    front = eq.discover(mech, sweep, eq.Discover(2))
+    sweep = eq.Sweep.sobol(mech, 64, payload=[eq.Payload("fore", (0.0, 2.0), (0.4, 0.0, 0.0))])
+    front = eq.discover(mech, sweep, eq.Discover(2, candidates=1500, contenders=2))
     floors = {bound.row: bound.value for bound in front.bounds if bound.cause == "payload"}
     assert floors["upper_joint"] == pytest.approx(2.0 * G * 0.9 / 2, rel=1e-6)
     assert floors["fore_joint"] == pytest.approx(2.0 * G * 0.4 / 2, rel=1e-6)
