@@ -7,6 +7,7 @@ from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.front import Alternative, Bound, Discovery
 from equipoise.interference.findings import clash_words
+from equipoise.parts import Part
 from equipoise.reporting import limitwords, phrases
 from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
 from equipoise.reporting.numbers import percent, plain, quantity, shown, sig
@@ -179,7 +180,8 @@ def next_steps(front: Discovery) -> list[str]:
     if any(isinstance(spring.law, ZeroFreeLength) for spring in springs):
         steps.append("a spring of zero free length is a coil with a cable over a guide: `kinds: [cable]` lays them out")
     folder = f"DIR/{front.folder(best)}/design.json"
-    if any(spring.path.unit == "m" for spring in springs):
+    if any(spring.path.unit == "m" and not isinstance(spring.law, Part) for spring in springs):
+        steps.append("`--make SH` looks for springs that can be wound from the start, their own masses counted")
         steps.append(f"`--out DIR` writes the designs; `equipoise pick {folder}` finds parts one can buy or wind")
     else:
         steps.append(f"`--out DIR` writes the designs; `equipoise report {folder}` draws one")
