@@ -118,7 +118,7 @@ def test_a_paper_is_found_by_an_unambiguous_part():
 
 
 def test_reproduce_on_the_command_line(tmp_path, capsys):
-    slug = SLUGS[0]
+    slug = "quaglia-yin-2015"
     assert main(["reproduce", slug, "--json", "--out", str(tmp_path / "out")]) == 0
     out, err = capsys.readouterr()
     rows = json.loads(out)

@@ -12,7 +12,9 @@ import pytest
 
 import equipoise as eq
 from equipoise.cli import main
+from equipoise.parameters import geometry, unit_of
 from equipoise.problem import load_problem
+from equipoise.reporting.pathwords import path_words
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 G = 9.81
@@ -149,3 +151,14 @@ def test_the_tilted_gantry(capsys):
     assert len(data["cases"]) == 9
     worst = max(case["after"]["z_joint"]["peak"] for case in data["cases"])
     assert worst == pytest.approx(5 * G * (1 - np.cos(np.radians(5))) / 2, rel=1e-6)
+
+
+@pytest.mark.parametrize(("unit", "said"), [("m", "offset 125 mm"), ("rad", "offset 7.162 deg")])
+def test_an_offset_is_in_the_joint_s_own_unit(unit, said):
+    path = eq.Angle("lift_joint", offset=0.125, unit=unit)
+    assert said in path_words(path)
+    spring = eq.Spring("s1", path, eq.Linear())
+    assert unit_of([spring], "s1.path.offset") == unit
+    yoke = eq.Spring("s2", eq.ScotchYoke(path, 0.1), eq.Linear())
+    assert unit_of([yoke], "s2.path.input.offset") == unit
+    assert dict(geometry(yoke))["s2.path.input.offset"] == unit

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import equipoise as eq
+from equipoise.discovery.ask import asked
 from equipoise.limits import Setting, implied
 from equipoise.parts import ExtensionSpring
+from equipoise.targets import target_of
 
 RNG = np.random.default_rng(5)
 
@@ -149,3 +151,58 @@ def test_a_spring_in_a_room_fits_when_stretched():
 def test_what_cannot_be_wound_is_said(make, said):
     with pytest.raises(eq.InputError, match=said):
         make()
+
+
+def two_links():
+    links = [
+        eq.Link("upper", length=0.5, mass=3.0, limits=(-1.0, 1.0)),
+        eq.Link("fore", length=0.4, mass=2.0, com=(0.15, 0.02), limits=(-0.2, 1.8)),
+    ]
+    return eq.chain(links, base=(0.0, 0.0, 0.3))
+
+
+@pytest.mark.parametrize("kind", [eq.Coils(rest=1.0), eq.CableSprings(ratio=0.5, rooms={"upper": 0.45})])
+def test_a_front_of_springs_that_can_be_wound(kind):
+    """Stocked wire, round numbers, the working range at poses that the design never saw, own masses counted."""
+    mech = two_links()
+    make = eq.Makeable(width=0.05, parallel=2)
+    pairs = ((mech.bodies[0], "upper"),) if isinstance(kind, eq.CableSprings) else None
+    request = eq.Discover(1, kinds=(kind,), pairs=pairs, candidates=300, contenders=1, make=make)
+    front = eq.discover(mech, eq.Sweep.sobol(mech, 48), request)
+    design = front.designs[0]
+    spring = design.balancers[0]
+    part = spring.law
+    assert isinstance(part, ExtensionSpring)
+    assert np.abs(make.sizes - part.wire).min() < 1e-12
+    assert part.coils / 0.5 == pytest.approx(round(part.coils / 0.5))
+    assert part.diameter + part.wire <= 0.05 * (1 + 1e-9)
+    assert design.added_mass == pytest.approx(part.own_mass)
+    unseen = mech.states(eq.Sweep.sobol(mech, 512, seed=9))
+    length = spring.path.deform(unseen)[0]
+    assert part.span[0] <= length.min() + 1e-4
+    assert length.max() <= part.span[1] + 1e-4
+    if isinstance(kind, eq.CableSprings):
+        anchor, guide = (np.array(item.at) for item in spring.path.through[:2])
+        assert length.max() <= np.linalg.norm(anchor - guide) - kind.fittings + 1e-4
+    assert front.values[0] < 0.6 * front.before
+    assert any("before rounding to sizes" in note for note in front.notes)
+    assert "EN 13906-2, wire EN 10270-1 SH" in design.parts()[0]["order"]
+    assert eq.verify(design, poses=100).verification.agrees
+
+
+def test_an_ideal_spring_is_made_by_a_cable():
+    make = eq.Makeable()
+    request = eq.Discover(kinds=(eq.Ideal(force=900.0), eq.CableSprings(force=900.0), eq.TorsionSprings()), make=make)
+    assert request.tried == (eq.CableSprings(force=900.0, make=make), eq.TorsionSprings())
+
+
+def test_the_command_line_asks_for_wound_springs(tmp_path):
+    file = tmp_path / "arm.yaml"
+    file.write_text(
+        "mechanism: {chain: {links: [{name: upper, length: 0.5, mass: 3}]}}\n"
+        "sweep: {sobol: 32}\n"
+        "discover: {springs: 1, kinds: [coil], make: {width: 50 mm, index: [5, 10], mass: 3 kg}}\n",
+        encoding="utf-8",
+    )
+    asked_for = asked(target_of(str(file)), None, None, None, None, "SM").content.discover
+    assert asked_for.make == eq.Makeable(grade="SM", width=0.05, index=(5.0, 10.0), mass=3.0)

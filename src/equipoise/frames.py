@@ -58,7 +58,8 @@ def placements(model: mujoco.MjModel, kin: Kinematics, rates: Rates) -> Placemen
     speed[:, 3] += twist[3:]
     bend = cross_parts(push[:, None], arms) + cross_parts(spin[:, None], speed)
     bend[:, 3] += rate[3:]
-    return Placement(*(part.transpose(3, 2, 0, 1) for part in (frame, speed, bend)), spin.T, push.T)
+    frame, speed, bend = (part.transpose(3, 2, 0, 1) for part in (frame, speed, bend))
+    return Placement(frame, speed, bend, spin.T, push.T)
 
 
 def parts_of(matrices: Array) -> Array:

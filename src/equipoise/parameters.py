@@ -60,7 +60,13 @@ def unit_of(balancers: Sequence[Any], name: str) -> str:
     parent = _walk(balancer, keys[:-1], name)
     if not is_dataclass(parent) or isinstance(parent, Point):
         return "m"
-    return along_path(unit_marks(type(parent)).get(keys[-1], ""), getattr(getattr(balancer, "path", None), "unit", "m"))
+    along = _along(parent, _along(getattr(balancer, "path", None), "m"))
+    return along_path(unit_marks(type(parent)).get(keys[-1], ""), along)
+
+
+def _along(item: Any, above: str) -> str:
+    """The unit of a path's own length, `m` or `rad`; of what is no path the unit of the path it belongs to."""
+    return getattr(item, "unit", above)
 
 
 def geometry(balancer: Any) -> tuple[tuple[str, str], ...]:
@@ -79,7 +85,7 @@ def _numbers(item: Any, name: str, along: str) -> Iterator[tuple[str, str]]:
         for index, entry in enumerate(item):
             yield from _numbers(entry, f"{name}.{index}", along)
     elif is_dataclass(item) and not isinstance(item, type):
-        marks = unit_marks(type(item))
+        marks, along = unit_marks(type(item)), _along(item, along)
         for field in fields(item):
             value, inner = getattr(item, field.name), f"{name}.{field.name}"
             if is_dataclass(value) or (isinstance(value, tuple) and any(is_dataclass(entry) for entry in value)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -124,6 +125,7 @@ def surveyed(problem: Problem, request: Pick, spring: str | None, out: Path, see
             objective=problem.objective,
             limits=problem.limits,
             seed=seed or 0,
+            workers=os.cpu_count() or 1,
             done=done,
             store=ledger.append,
             progress=progress,

@@ -23,13 +23,15 @@ class Compressed:
     """The dictionary in an orthonormal basis of its range: |b + A k|^2 = |load + columns k|^2 + constant.
 
     columns (r, C) and load (r,) carry the weights of the rows; k counts in units of each candidate's most, so that
-    0 <= k <= 1; lost is the largest share of a column outside the basis, constant what no column can change.
+    0 <= k <= 1; lost is the largest share of a column outside the basis, constant what no column can change, turn
+    (r, rows) takes any other rows there.
     """
 
     columns: Array
     load: Array
     constant: float
     lost: float
+    turn: Array
 
     @property
     def rank(self) -> int:
@@ -93,25 +95,21 @@ class Dictionary:
             found.append(self.batches[batch].column(within) * self.upper[index])
         return np.stack(found, axis=1)
 
-    def compress(self, emphasis: Array | None = None, fixed: Array | None = None) -> Compressed:
-        """Rank compression under the rows' weights, times an emphasis (S, rows) where one is given.
+    @cached_property
+    def compressed(self) -> Compressed:
+        """Rank compression under the rows' weights: the range is found from random combinations of columns.
 
-        The range is found from random combinations of columns, as many as it takes.
-        fixed (rows,) is what parts that are there already hold: it joins the load.
+        As many are taken as it needs.
         """
-        every = np.ones_like(self.loads) if emphasis is None else emphasis
-        heavy = self.weight * every / len(self.loads)
-        loads = self.loads if fixed is None else self.loads + fixed
-        total = heavy.sum(axis=0)
-        mean = (heavy * loads).sum(axis=0) / np.maximum(total, 1e-300)
-        spread = float((heavy * (loads - mean) ** 2).sum())
-        root = np.sqrt(total)
+        mean = self.loads.mean(axis=0)
+        spread = float((self.weight * (self.loads - mean) ** 2).sum()) / len(self.loads)
+        root = np.sqrt(self.weight)
         target = root * mean
         norms = np.concatenate([self._norms(batch, root) for batch in self.batches]) * self.upper
         basis, columns, lost = self._range(root, norms)
         load = basis.T @ target
         constant = spread + max(float(target @ target - load @ load), 0.0)
-        return Compressed(columns, load, constant, lost)
+        return Compressed(columns, load, constant, lost, basis.T * root)
 
     def _range(self, root: Array, norms: Array) -> tuple[Array, Array, float]:
         rng, count = np.random.default_rng(0), FIRST
@@ -130,7 +128,7 @@ class Dictionary:
             basis = left[:, values > ROUNDING * values[0]]
             turned = (basis * root[:, None]).T
             columns = np.hstack([batch.under(turned) for batch in self.batches]) * self.upper
-            kept = np.einsum("rc,rc->c", columns, columns) / size**2
+            kept = np.einsum("rc,rc->c", columns / size, columns / size)
             lost = float(np.sqrt(np.maximum(1.0 - kept, 0.0))[norms > 0].max(initial=0.0))
             if lost <= ACCURACY or count >= min(len(self), len(root)):
                 return basis, columns, lost

@@ -12,9 +12,9 @@ from equipoise.assemble import Balancer, effort, storage
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection
-from equipoise.discovery.kinds import Batch, Proposal
+from equipoise.discovery.kinds import Proposal
 from equipoise.discovery.reach import with_extremes
-from equipoise.discovery.subsets import Search, Subset
+from equipoise.discovery.subsets import Subset
 from equipoise.limits import Limit
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim
@@ -191,24 +191,21 @@ class Refiner:
         return Refined(parts, geometry, solution.theta, solution.objective, excess, float(np.ptp(stored)), place)
 
 
-def additions(collection: Collection, refined: Refined, emphasis: Array | None, count: int) -> list[tuple[int, float]]:
-    """Candidates that best join parts already refined, whose own unknowns stay free, and the share of their most."""
-    scene = collection.scene
+def addition(collection: Collection, refined: Refined) -> tuple[int, float] | None:
+    """The candidate that best joins parts already refined, whose own unknowns stay free, and the share of its most.
+
+    What the parts' columns can do is taken out of load and candidates; each candidate then stands alone.
+    """
+    scene, compressed = collection.scene, collection.dictionary.compressed
     total = effort(scene.ground.mechanism, refined.parts.balancers, scene.states)
-    columns = scene.counted(np.moveaxis(total.A, -1, 0)).T
-    fixed = scene.counted(total.b - scene.states.holding)
-    size = np.maximum(2.0 * np.abs(refined.theta), 1e-12)
-    there = Batch("there", columns, None, size, np.arange(len(size)), _there_already)
-    dictionary = replace(collection.dictionary, batches=(*collection.dictionary.batches, there))
-    first = len(collection.dictionary)
-    members = tuple(range(first, first + len(size)))
-    search = Search.of(dictionary.compress(emphasis, fixed), dictionary.spots)
-    value = search.extended(members)[:first]
-    order = np.argsort(value, kind="stable")[:count]
-    return [
-        (int(index), float(search.solve((*members, int(index)))[1][-1])) for index in order if np.isfinite(value[index])
-    ]
-
-
-def _there_already(index: int, name: str) -> Proposal:
-    raise AssertionError(f"{name}, column {index}: what is there already is not proposed again")
+    there = compressed.turn @ scene.counted(np.moveaxis(total.A, -1, 0)).T
+    load = compressed.load + compressed.turn @ scene.counted(total.b - scene.states.holding)
+    own = np.linalg.qr(there / np.maximum(np.linalg.norm(there, axis=0), 1e-300))[0]
+    beside, left = compressed.columns - own @ (own.T @ compressed.columns), load - own @ (own.T @ load)
+    size = np.einsum("rc,rc->c", beside, beside)
+    sound = size > 1e-9 * np.maximum(np.einsum("rc,rc->c", compressed.columns, compressed.columns), 1e-300)
+    slope = left @ beside
+    k = np.where(sound, np.clip(-slope / np.where(sound, size, 1.0), 0.0, 1.0), 0.0)
+    gain = k * (2 * slope + k * size)
+    best = int(gain.argmin())
+    return (best, float(k[best])) if gain[best] < 0 else None

@@ -49,8 +49,10 @@ class Discover:
     @property
     def tried(self) -> tuple[Kind, ...]:
         """The kinds as they are tried: of what can be wound where that is asked for."""
-        make = self.make
-        return self.kinds if make is None else tuple(dict.fromkeys(kind.made(make) for kind in self.kinds))
+        if self.make is None:
+            return self.kinds
+        made = [kind.made(self.make) for kind in self.kinds]
+        return tuple(kind for place, kind in enumerate(made) if kind not in made[:place])
 
     def avoids(self, what: str) -> bool:
         """Whether `bodies` or `axes` are avoided."""

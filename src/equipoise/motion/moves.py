@@ -46,9 +46,13 @@ class Timed:
         """From start to end."""
         return np.array([[self.motion.start, self.motion.end]])
 
-    @cached_property
+    @property
     def rows(self) -> tuple[Array, Array, Array]:
         """The motion at the instants."""
+        return self._rows
+
+    @cached_property
+    def _rows(self) -> tuple[Array, Array, Array]:
         return self.motion.at(self.time)
 
     def at(self, coordinates: Array) -> Timed:

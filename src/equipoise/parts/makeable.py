@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
 from equipoise.parts.helical import INDEX, LEAST_COILS
 from equipoise.parts.windable import WindableSpring
@@ -81,7 +81,8 @@ class Makeable:
     def start(self, option: Any, room: float | None = None) -> WindableSpring:
         """An option as a spring still to be wound."""
         place = int(np.ravel(option)[0])
-        return self.law(float(self.options.wire[place]), float(self.options.index[place]), float(self.parallel), room)
+        wire, index, _ = self.options.columns
+        return self.law(float(wire[place]), float(index[place]), float(self.parallel), room)
 
     def law(self, wire: Any, index: Any, number: Any, room: float | None = None) -> WindableSpring:
         """A spring still to be wound, or rows of them."""
@@ -142,11 +143,12 @@ class Makeable:
 
         return self._best(force, (stroke, room, extension * (1 - 1e-9)))
 
-    def mass_at(self, option: Array, rate: Array) -> Array:
+    def mass_at(self, option: Indices, rate: Array) -> Array:
         """Own mass (C,), kg, of options (C,) with rates (C,), N/m; 0 where there is no rate."""
         law = self.options
-        coils = (law.stack / law.wire)[option] / np.maximum(rate, 1e-300)
-        some = self.law(law.wire[option], law.index[option], float(self.parallel))
+        wire, index, _ = law.columns
+        coils = (law.stack / wire)[option] / np.maximum(rate, 1e-300)
+        some = self.law(wire[option], index[option], float(self.parallel))
         return np.where(rate > 0, np.asarray(some.mass_of(coils)), 0.0)
 
     def _least(self, short: Array, long: Array) -> Array:
@@ -179,16 +181,15 @@ class Makeable:
         """
         rows = self._round(law.room)
         short = _misses(rows, k, product, float(length.min()), float(length.max()))
-        mass = np.asarray(rows.mass_of(rows.stack / (rows.wire * k)))
-        near = np.abs(np.log(rows.wire / law.wire)) + np.abs(np.log(rows.index / law.index)) + 0.1 * rows.number
-        near = near + 0.1 * np.abs(rows.number - law.number)
+        wire, index, number = rows.columns
+        mass = np.asarray(rows.mass_of(rows.stack / (wire * k)))
+        near = np.abs(np.log(wire / law.wire)) + np.abs(np.log(index / law.index)) + 0.1 * number
+        near = near + 0.1 * np.abs(number - law.number)
         serves = short <= -RESERVE
-        orders = [np.lexsort((mass, rows.number, ~serves, np.where(serves, 0.0, short)))]
+        orders = [np.lexsort((mass, number, ~serves, np.where(serves, 0.0, short)))]
         orders.append(np.lexsort((near, np.where(short <= 0.0, 0.0, short))))
         picked = list(dict.fromkeys(int(order[0]) for order in orders))
-        return [
-            self.law(float(rows.wire[at]), float(rows.index[at]), float(rows.number[at]), law.room) for at in picked
-        ]
+        return [self.law(float(wire[at]), float(index[at]), float(number[at]), law.room) for at in picked]
 
     def _round(self, room: float | None) -> WindableSpring:
         """All stocked wires with round diameters, one to `parallel` of each: rows."""

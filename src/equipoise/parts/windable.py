@@ -62,6 +62,12 @@ class WindableSpring(Law):
         _ = self.sample
 
     @property
+    def columns(self) -> tuple[Array, Array, Array]:
+        """Wire (C,), m, index (C,) and number in parallel (C,) of rows of springs."""
+        wire, index, number = np.broadcast_arrays(self.wire, self.index, self.number)
+        return wire, index, number
+
+    @property
     def sample(self) -> ExtensionSpring:
         """A spring of this wire and index, whatever its coils: its strength does not depend on them."""
         return ExtensionSpring(

@@ -9,7 +9,7 @@ from equipoise.balancers.paths import Mount, Profile
 from equipoise.mechanism import Point
 from equipoise.parameters import tag
 from equipoise.reporting.numbers import place, quantity
-from equipoise.units import unit_marks
+from equipoise.units import along_path, unit_marks
 
 SPEAKING = ("joint", "body", "through", "input", "mount", "at")
 """Fields whose values say what they are."""
@@ -32,7 +32,7 @@ def _fields(item: Any) -> list[str]:
         if field.default is not MISSING and value == field.default:
             continue
         name = field.name.replace("_", " ")
-        unit = marks.get(field.name, "").split(" or ", maxsplit=1)[0]
+        unit = along_path(marks.get(field.name, ""), getattr(item, "unit", "m"))
         text = place(value) if field.name == "at" and isinstance(value, tuple) else _value(value, unit)
         words.append(text if field.name in SPEAKING else f"{name} {text}")
     return words

@@ -10,7 +10,7 @@ from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.front import BETTER, Alternative, Discovery, bounds_of
 from equipoise.discovery.making import unweighed, weighed, wound
 from equipoise.discovery.reach import with_extremes
-from equipoise.discovery.refine import Parts, Refined, Refiner, additions, built, judge
+from equipoise.discovery.refine import Parts, Refined, Refiner, addition, built, judge
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Ranked, Search, Subset
 from equipoise.errors import EquipoiseError, InfeasibleError, InputError
@@ -91,7 +91,7 @@ def discover(
         )
     aim = counted[0]
     collection = collect(mechanism, sweep, request, aim)
-    compressed = collection.dictionary.compress()
+    compressed = collection.dictionary.compressed
     search = Search.of(compressed, collection.dictionary.spots)
     ranked = search.best(request.springs, keep=JUDGED)
     bounds = bounds_of(collection, sweep, aim)
@@ -105,7 +105,7 @@ def discover(
                 found.notes.append(f"the floor is reached with {len(found.designs[-1].balancers)}: no more were tried")
                 break
             if count in ranked:
-                _one(found, collection, refiner, ranked[count], count, aim, request.make)
+                _one(found, collection, refiner, ranked[count], count, aim)
                 if found.refined is not None and found.made is not None:
                     _finish(found, refiner, sweep, aim, found.refined, found.made)
             if progress:
@@ -118,7 +118,7 @@ def discover(
         raise InfeasibleError(
             "no subset of the candidates gains anything within the limits",
             where="discover",
-            hint="relax the limits, or widen margin and spacing",
+            hint="try other `kinds`, widen `margin` or list `points` farther out, or relax the limits",
         )
     return Discovery(
         designs=tuple(found.designs),
@@ -147,16 +147,9 @@ def _before(design: Design, aim: Aim) -> float:
     return replace(design, after=design.before).reached(aim)
 
 
-def _one(
-    found: _Found,
-    collection: Collection,
-    refiner: Refiner,
-    ranked: Ranked,
-    count: int,
-    aim: Aim,
-    make: Makeable | None,
-) -> None:
+def _one(found: _Found, collection: Collection, refiner: Refiner, ranked: Ranked, count: int, aim: Aim) -> None:
     """Refine the contenders of one number of springs and keep the best."""
+    make = collection.request.make
     tried: list[tuple[tuple[str, ...], Refined]] = []
     for subset, shares in _contenders(collection, ranked, aim.norm):
         parts = Parts.of(
@@ -165,10 +158,11 @@ def _one(
         _try(refiner, parts, collection.dictionary.places(subset), tried, make)
     before = found.refined
     if before is not None and len(before.parts.balancers) == count - 1:
-        before = before if make is None else refiner.refine(replace(unweighed(before), free={}))
-        for index, share in additions(collection, before, None, 1):
-            parts = before.parts.with_one(collection.propose(index, count, share))
-            parts = replace(parts, free={**(found.refined or before).parts.free, **parts.free})
+        there = unweighed(before)
+        joined = addition(collection, refiner.refine(replace(there, free={})))
+        if joined is not None:
+            index, share = joined
+            parts = there.with_one(collection.propose(index, count, share))
             _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried, make)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
     if aim.judged == "band":

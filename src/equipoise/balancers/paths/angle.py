@@ -13,7 +13,7 @@ from equipoise.balancers.paths.turn import Terms, Turn, joint_shaft
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.states import States
-from equipoise.units import Joint, Number
+from equipoise.units import Extent, Number
 
 SLIDE, HINGE = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
 
@@ -30,7 +30,7 @@ class Angle(Turn):
 
     joint: str
     ratio: Number = 1.0
-    offset: Joint = 0.0
+    offset: Extent = 0.0
     unit: Literal["rad", "m"] = "rad"
 
     def terms(self, model: mujoco.MjModel) -> Terms:  # noqa: ARG002

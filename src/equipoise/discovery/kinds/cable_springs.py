@@ -81,7 +81,7 @@ class CableSprings(LineKind):
     def batches(self, scene: Scene) -> list[Batch]:
         """Two batches per pair: each body carries the spring once."""
         found = []
-        for pair in [order for both in scene.pairs for order in (both, both[::-1])]:
+        for pair in [order for a, b in scene.pairs for order in ((a, b), (b, a))]:
             lines = Lines.of(scene, pair)
             group = scene.ground.group_of(pair[0].body)
             room = self.along(group, lines.a)[0] - self.fittings - self.radius
