@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from equipoise.console import Interrupts, progress_bar, say
@@ -138,7 +139,8 @@ def discovered(problem: Problem) -> tuple[Discovery, bool]:
 
         def tell(done: int, most: int, value: float) -> None:
             if progress is None:
-                say(f"discover    {done} of {most} numbers of parts done, {value:.4g} {unit}")
+                reached = "nothing gained yet" if isnan(value) else f"{value:.3g} {unit}"
+                say(f"discover    {done} of {most} numbers of parts done, {reached}")
             else:
                 progress(done, most, value)
 

@@ -135,8 +135,13 @@ def _mark(hint: Any) -> str | None:
 
 
 def along_path(unit: str, along: str) -> str:
-    """Of a unit such as `N/m or N m/rad` the part that counts on a path in m (the first) or in rad (the last)."""
+    """Of a unit such as `N/m or N m/rad` the part that counts on a path in m (the first) or in rad (the last).
+
+    Where the path's own unit is among them, as in `rad or m`, it is that.
+    """
     options = unit.split(" or ")
+    if along in options:
+        return along
     return options[0] if along == "m" else options[-1]
 
 

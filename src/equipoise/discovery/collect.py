@@ -105,7 +105,7 @@ def collect(mechanism: Mechanism, sweep: Sweep, request: Discover, aim: Aim) -> 
 
     moving = tuple(body for body in ground.groups if ground.between("world", body) and _carries(ground, body))
     bodies = _bodies(ground, moving, request, margin, spacing)
-    scene = Scene(ground, bare, counted, spots, found.worth, bodies, _keeper(request, bare), Counter())
+    scene = Scene(ground, bare, counted, spots, found.worth, bodies, _keeper(ground, request, bare), Counter())
     batches = tuple(batch for kind in request.tried for batch in kind.batches(scene))
     if not batches:
         raise InfeasibleError(
@@ -152,7 +152,7 @@ def _spots(
     ground: Ground, pairs: Sequence[tuple[str, str]], request: Discover, margin: float
 ) -> tuple[tuple[tuple[Spots, Spots], ...], float]:
     """Places on both bodies of all pairs, as fine as the number of candidates admits."""
-    own = {body: listed(ground, body, points, margin) for body, points in (request.points or {}).items()}
+    own = _own(ground, request, margin)
     spacing = request.spacing or FINEST * margin
     # Beside the links there is room on either side.
     default = (margin, -margin) if request.avoids("bodies") else (0.0,)
@@ -161,12 +161,13 @@ def _spots(
         found = []
         for pair in pairs:
             for aside in asides if ground.normal(*pair) else asides[:1]:
-                made = lattice(ground, pair, spacing, margin, aside)
-                found.append((own.get(made[0].body, made[0]), own.get(made[1].body, made[1])))
+                one, other = lattice(ground, pair, spacing, margin, aside)
+                names = [ground.group_of(body).body for body in pair]
+                found.append((own.get(names[0], one), own.get(names[1], other)))
         count = sum(len(a.places) * len(b.places) for a, b in found)
         if count <= request.candidates:
             return tuple(found), spacing
-        if request.spacing is not None or all(body in own for pair in pairs for body in pair):
+        if request.spacing is not None or all(ground.group_of(body).body in own for pair in pairs for body in pair):
             raise InputError(
                 f"{count} candidates, the most is {request.candidates}",
                 where="discover.spacing" if request.spacing else "discover.points",
@@ -185,14 +186,16 @@ def _bodies(
     ground: Ground, moving: Sequence[str], request: Discover, margin: float, spacing: float
 ) -> tuple[Spots, ...]:
     """Places on every moving body, for weights."""
-    found = []
-    for body in moving:
-        points = (request.points or {}).get(body)
-        if points is not None:
-            found.append(listed(ground, body, points, margin))
-        else:
-            found.append(lattice(ground, (body, body), spacing, margin, 0.0)[0])
-    return tuple(found)
+    own = _own(ground, request, margin)
+    return tuple(
+        own[body] if body in own else lattice(ground, (body, body), spacing, margin, 0.0)[0] for body in moving
+    )
+
+
+def _own(ground: Ground, request: Discover, margin: float) -> dict[str, Spots]:
+    """The user's lists of points by the rigid group that they are on."""
+    given = (request.points or {}).items()
+    return {ground.group_of(body).body: listed(ground, body, points, margin) for body, points in given}
 
 
 def _carries(ground: Ground, body: str) -> bool:
@@ -222,7 +225,7 @@ def _used(
     )
 
 
-def _keeper(request: Discover, states: States) -> Callable[..., Mapping[str, NDArray[np.bool_]]]:
+def _keeper(ground: Ground, request: Discover, states: States) -> Callable[..., Mapping[str, NDArray[np.bool_]]]:
     """What refuses candidates whatever their kind: regions, bodies in the way, axes passed."""
     few = states.take(slice(None, None, 1 + len(states) // LOOKED_AT))
 
@@ -232,8 +235,8 @@ def _keeper(request: Discover, states: States) -> Callable[..., Mapping[str, NDA
             bad = np.zeros(len(a), dtype=bool)
             for region in request.keep_out:
                 for body, places in zip(pair, (a, b), strict=True):
-                    if region.body == body:
-                        bad |= region.holds(places)
+                    if ground.group_of(region.body) is ground.group_of(body):
+                        bad |= region.holds(ground.seen_from(region.body, body, places))
             reasons["keep out"] = bad
         if pair[0] == pair[1]:
             return reasons
@@ -254,9 +257,7 @@ def _blocked(
 ) -> NDArray[np.bool_]:
     found = []
     for part in _parts(len(a)):
-        ends = (
-            Point(body, tuple(np.moveaxis(p[part][:, :, None], 1, 0))) for body, p in zip(pair, (a, b), strict=True)
-        )
+        ends = (Point.many(body, p[part]) for body, p in zip(pair, (a, b), strict=True))
         blocked = np.zeros(len(a[part]), dtype=bool)
         for _, room in rooms(states, Line(*ends), radius):
             blocked |= (room < gap).any(axis=-1)

@@ -128,7 +128,7 @@ class Dictionary:
             basis = left[:, values > ROUNDING * values[0]]
             turned = (basis * root[:, None]).T
             columns = np.hstack([batch.under(turned) for batch in self.batches]) * self.upper
-            kept = np.einsum("rc,rc->c", columns, columns) / size**2
+            kept = np.einsum("rc,rc->c", columns / size, columns / size)
             lost = float(np.sqrt(np.maximum(1.0 - kept, 0.0))[norms > 0].max(initial=0.0))
             if lost <= ACCURACY or count >= min(len(self), len(root)):
                 return basis, columns, lost

@@ -122,6 +122,14 @@ class Ground:
         world = data.xpos[one] + places @ data.xmat[one].reshape(3, 3).T
         return (world - data.xpos[root]) @ data.xmat[root].reshape(3, 3)
 
+    def seen_from(self, other: str, body: str, places: Array) -> Array:
+        """Places (C, 3) of a body in the frame of another of its group."""
+        model, data = self.mechanism.model, self._posture
+        one = self.mechanism.body_id(other)
+        root = int(model.body_weldid[one])
+        world = data.xpos[root] + self.in_group(body, places) @ data.xmat[root].reshape(3, 3).T
+        return (world - data.xpos[one]) @ data.xmat[one].reshape(3, 3)
+
     def between(self, a: str, b: str) -> tuple[int, ...]:
         """Numbers of the joints that two bodies do not share."""
         model = self.mechanism.model

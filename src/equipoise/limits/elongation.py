@@ -9,7 +9,7 @@ import numpy as np
 
 from equipoise import units
 from equipoise.affine import Array
-from equipoise.balancers.laws import Coil
+from equipoise.balancers.laws import Coil, Torsion
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.limits.limit import Setting
@@ -47,21 +47,46 @@ class Elongation:
 
 @dataclass(frozen=True)
 class Extension:
-    """l - L0 <= max of a coil's extension at every state, m: k (l - max) - k L0 <= 0. What its room decides.
+    """How far a spring goes from its rest at every state, which its room, or its coils, decide.
 
-    Raises InputError for a spring that is no coil, and a limit that is not positive.
+        l - L0 <= max of a coil, m: k (l - max) - k L0 <= 0;   |q - rest| <= max of a torsion spring, rad
+
+    Raises InputError for a spring that is neither, and a limit that is not positive.
     """
 
     spring: str
-    max: units.Length
+    max: units.Extent
 
     def rows(self, setting: Setting) -> tuple[Rows, ...]:
-        """One row per state."""
-        spring = _coil(setting, self.spring, "extension")
+        """One row per state, of a torsion spring one per state and side."""
         if not self.max > 0:
-            raise InputError(f"the extension limit is {self.max:g} m, it must be positive", where="limits")
+            raise InputError(f"the extension limit is {self.max:g}, it must be positive", where="limits")
+        if isinstance(setting.find(self.spring, Spring, "extension").law, Torsion):
+            return self._twist(setting)
+        spring = _coil(setting, self.spring, "extension")
         words = f"extension of {self.spring} <= {units.text(self.max, 'm')}"
         return (_rows(setting, spring, words, 1.0, 1.0, self.max),)
+
+    def _twist(self, setting: Setting) -> tuple[Rows, ...]:
+        """+-(k q - k rest) - k max <= 0, without k where rest, or rate, is known."""
+        spring = setting.find(self.spring, Spring, "extension")
+        law: Any = spring.law
+        angle = spring.path.deform(setting.states)[0]
+        state, words = np.arange(angle.shape[-1]), f"twist of {self.spring} <= {units.text(self.max, 'rad')}"
+        unknowns = {u.name.removeprefix(f"{spring.owner}."): u for u in spring.unknowns}
+        found = []
+        for sign in (1.0, -1.0):
+            if law.rest is not None:
+                none = np.zeros((*angle.shape, 0), dtype=angle.dtype)
+                found.append(Rows(words, "rad", none, self.max - sign * (angle - law.rest), (), state, scale=0.1))
+                continue
+            product, room = -sign * np.ones_like(angle), sign * angle - self.max
+            if law.k is None:
+                G, free = np.stack([room, product], axis=-1), (unknowns["k"], unknowns["k_rest"])
+                found.append(Rows(words, "N m", G, np.zeros(angle.shape), free, state))
+            else:
+                found.append(Rows(words, "N m", product[..., None], -law.k * room, (unknowns["k_rest"],), state))
+        return tuple(found)
 
 
 def _coil(setting: Setting, name: str, limit: str) -> Spring:

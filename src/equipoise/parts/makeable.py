@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from equipoise.affine import Array
+from equipoise.affine import Array, Indices
 from equipoise.errors import InputError
 from equipoise.parts.helical import INDEX, LEAST_COILS
 from equipoise.parts.windable import WindableSpring
@@ -143,7 +143,7 @@ class Makeable:
 
         return self._best(force, (stroke, room, extension * (1 - 1e-9)))
 
-    def mass_at(self, option: Array, rate: Array) -> Array:
+    def mass_at(self, option: Indices, rate: Array) -> Array:
         """Own mass (C,), kg, of options (C,) with rates (C,), N/m; 0 where there is no rate."""
         law = self.options
         wire, index, _ = law.columns

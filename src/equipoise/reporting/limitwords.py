@@ -47,6 +47,9 @@ def price_words(active: Active, design: Design) -> str:
         return f"{limit}, the bound that nature sets"
     if not gained:
         return f"{limit} (price {sig(active.price, 3)} {active.unit})"
+    if bound and f" {per}" not in active.limit:
+        # A price per newton says nothing about a limit in millimetres.
+        return limit
     step = STEPS.get(per, 1.0)
     # A price is a slope: it is quoted over a step that changes the objective by less than a third.
     while step * active.price > 0.3 * design.certificate.primal > 0:

@@ -118,7 +118,7 @@ def discover(
         raise InfeasibleError(
             "no subset of the candidates gains anything within the limits",
             where="discover",
-            hint="relax the limits, or widen margin and spacing",
+            hint="try other `kinds`, widen `margin` or list `points` farther out, or relax the limits",
         )
     return Discovery(
         designs=tuple(found.designs),

@@ -111,8 +111,8 @@ class Lines:
 
     def at(self, index: int) -> Line:
         """One couple as a line."""
-        ends = (tuple(float(v) for v in points[index]) for points in (self.a, self.b))
-        return Line(*(Point(body, end) for body, end in zip(self.bodies, ends, strict=True)))  # type: ignore[arg-type]
+        one, other = self.bodies
+        return Line(Point.of(one, self.a[index].tolist()), Point.of(other, self.b[index].tolist()))
 
     def free(self, name: str) -> dict[str, tuple[float, float]]:
         """Bounds of the coordinates that may move, by parameter."""
@@ -130,6 +130,10 @@ def _line(bodies: tuple[str, str], ends: tuple[Array, Array]) -> Line:
     return Line(*(Point(body, end) for body, end in zip(bodies, numbers, strict=True)))
 
 
+MEETING = 1e-6
+"""Share of its longest length below which a line has no direction any more."""
+
+
 class LineKind(Kind):
     """Springs on straight lines: a law per couple, with one unknown."""
 
@@ -141,7 +145,8 @@ class LineKind(Kind):
         for pair in scene.pairs:
             lines = Lines.of(scene, pair)
             still = lines.longest - lines.shortest <= FAINT * lines.longest
-            reasons = {"no motion changes its length": still, **self.refuses(lines)}
+            met = lines.shortest <= MEETING * lines.longest
+            reasons = {"no motion changes its length": still, "its ends meet": met, **self.refuses(lines)}
             lines = lines.take(
                 scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b, self.gap)})
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +11,8 @@ from equipoise.balancers.laws import Torsion
 from equipoise.balancers.paths import Angle
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.kinds.kind import Batch, Kind, Proposal, Scene
-from equipoise.limits import Force
-from equipoise.units import Torque
+from equipoise.limits import Extension, Force
+from equipoise.units import Number, Torque
 
 RESTS = 9
 """Rest angles that are tried, from one span below to one span above the joint's range."""
@@ -21,10 +22,12 @@ RESTS = 9
 class TorsionSprings(Kind):
     """Torsion springs about hinges, T = k (q - rest), tried at rest angles within and beyond the joint's range.
 
-    torque in N m is the most that a spring may exert.
+    torque in N m is the most that a spring may exert, turns how far it may be wound from its rest: a soft spring wound
+    without end would be a constant torque, which no coil gives.
     """
 
     torque: Torque = 200.0
+    turns: Number = 3.0
 
     @property
     def words(self) -> str:
@@ -42,8 +45,8 @@ class TorsionSprings(Kind):
             turn = np.maximum(np.abs(low - rests), np.abs(high - rests))
 
             def propose(index: int, name: str, joint: str = joint) -> Proposal:  # noqa: ARG001 - the rest is found
-                limit = Force(name, min=-self.torque, max=self.torque)
-                return Proposal(Spring(name, Angle(joint), Torsion(rest=None)), (limit,))
+                limits = (Force(name, min=-self.torque, max=self.torque), Extension(name, 2 * math.pi * self.turns))
+                return Proposal(Spring(name, Angle(joint), Torsion(rest=None)), limits)
 
             coefficients = np.stack([np.ones(RESTS), rests])
             found.append(
