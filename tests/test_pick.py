@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import minimize
+from survey_by_scipy import Arm, one_by_one
 
 import equipoise as eq
 from equipoise.cli import main
@@ -16,9 +17,10 @@ from equipoise.parameters import write
 from equipoise.parts.ranking import Ledger, Line
 from equipoise.picking import picked
 from equipoise.problem import load_problem
-from equipoise.solve.small import boxed, quadratic
+from equipoise.solve.small import boxed, elastic
 from equipoise.solving import shaped
 from equipoise.thinning import thin
+from equipoise.verbs.workers import shared
 
 STOCK = Path(__file__).parents[1] / "examples" / "stock_springs.csv"
 BOUNDS = {
@@ -57,18 +59,41 @@ def test_small_programs_are_solved_as_one_by_one():
     root = rng.normal(size=(8, 3, 3))
     H, q = root @ np.swapaxes(root, 1, 2) + 0.1 * np.eye(3), rng.normal(size=(8, 3))
     low, high = -rng.uniform(0, 1, (8, 3)), rng.uniform(0, 1, (8, 3))
-    G = np.concatenate([np.broadcast_to(np.eye(3), (8, 3, 3)), np.broadcast_to(-np.eye(3), (8, 3, 3))], axis=1)
-    h = np.concatenate([high, -low], axis=1)
-    inner = quadratic(H, q, G, h, np.zeros((8, 3)), np.full(h.shape, 0.1))
+    free, _ = elastic(H, q, np.zeros((8, 1, 3)), -np.ones((8, 1)), low, high, np.ones(8))
     corner, least = boxed(H, q, low, high)
     assert 0 < least.sum() < 8
     for k in range(8):
         found = minimize(
             lambda z, k=k: z @ H[k] @ z / 2 + q[k] @ z, np.zeros(3), bounds=list(zip(low[k], high[k], strict=True))
         )
-        assert inner[k] == pytest.approx(found.x, abs=1e-4)
+        assert free[k] == pytest.approx(found.x, abs=1e-4)
         if least[k]:
             assert corner[k] == pytest.approx(found.x, abs=1e-4)
+
+
+def test_rows_that_cannot_be_kept_are_passed_least():
+    """Elastic rows against SLSQP with one more variable; multipliers balance the slope, together no more than price."""
+    rng = np.random.default_rng(1)
+    root = rng.normal(size=(12, 3, 3))
+    H, q = root @ np.swapaxes(root, 1, 2) + 0.1 * np.eye(3), rng.normal(size=(12, 3))
+    A, e, price = rng.normal(size=(12, 4, 3)), rng.normal(size=(12, 4)), rng.uniform(0.5, 20, 12)
+    low, high = -np.ones((12, 3)), np.ones((12, 3))
+    z, dual = elastic(H, q, A, e, low, high, price)
+    assert (dual.sum(axis=1) <= price + 1e-4).all()
+    passed = []
+    for k in range(12):
+
+        def value(x, k=k):
+            return x[:3] @ H[k] @ x[:3] / 2 + q[k] @ x[:3] + price[k] * x[3]
+
+        rows = {"type": "ineq", "fun": lambda x, k=k: x[3] - A[k] @ x[:3] - e[k]}
+        found = minimize(value, np.append(np.zeros(3), 5.0), bounds=[(-1, 1)] * 3 + [(0, None)], constraints=rows)
+        assert z[k] == pytest.approx(found.x[:3], abs=2e-3)
+        passed.append(found.x[3] > 1e-6)
+        inside = (np.abs(z[k]) < 0.999).all()
+        if inside:
+            assert H[k] @ z[k] + q[k] + A[k].T @ dual[k] == pytest.approx(0, abs=1e-4)
+    assert 0 < sum(passed) < 12
 
 
 def test_few_states_integrate_like_all(arm):
@@ -93,6 +118,18 @@ def test_lines_are_what_balance_says_of_the_part(arm, sweep, ranking):
         assert design.after["arm_joint"].sample_peak == pytest.approx(line.peak, rel=1e-6)
         low, high = part.span
         assert low - 1e-6 <= design.parts()[0]["length"][0] <= design.parts()[0]["length"][1] <= high + 1e-6
+
+
+def test_no_worse_than_scipy_row_by_row(arm, ranking):
+    """SLSQP from six beginnings each, plain code that shares nothing with equipoise, on every sixth row."""
+    plain = Arm(poses=121)
+    cat = ranking.catalogue
+    rows = np.arange(2, len(cat), 6)
+    columns = (cat.rate, cat.free_length, cat.initial_tension, cat.free_length + cat.travel, cat.mass)
+    theirs = one_by_one(plain, np.stack(columns, axis=1)[rows], starts=6, seed=0)
+    lines = {line.part: line for line in ranking.lines if line.number == 1}
+    ours = np.array([np.inf if lines[cat.part[row]].refused else lines[cat.part[row]].rms for row in rows])
+    assert (ours <= 1.001 * theirs).all()
 
 
 def test_no_worse_than_shape(arm, sweep, ranking):
@@ -139,6 +176,26 @@ def test_a_survey_goes_on_where_it_was_stopped(arm, sweep, stock, ranking, tmp_p
     assert sorted(ledger.load(), key=str) == sorted(whole.lines, key=str)
     with pytest.raises(InputError, match="another survey"):
         Ledger(ledger.path, "xyz", ranking.free, ranking.units).load()
+    ledger.path.write_text(ledger.path.read_text().replace(",1,", ",one,", 1))
+    with pytest.raises(InputError, match="not as it was written") as error:
+        ledger.load()
+    assert error.value.where.endswith("row 3")
+
+
+def test_processes_find_the_same(arm, sweep, stock, monkeypatch):
+    """Two processes against this one: the same lines to the last digit, though they finish in any order."""
+    monkeypatch.setattr("equipoise.verbs.survey.CHUNK", 3)
+    few, told = stock.take(np.arange(6)), []
+    alone = eq.survey_catalogue(arm, [ideal(arm)], sweep, BOUNDS, few)
+    both = eq.survey_catalogue(
+        arm, [ideal(arm)], sweep, BOUNDS, few, workers=2, progress=lambda done, count, best: told.append((done, count))
+    )
+    assert sorted(both.lines, key=str) == sorted(alone.lines, key=str)
+    assert told == [(3, 6), (6, 6)]
+
+
+def test_what_cannot_be_sent_stays_here():
+    assert list(shared(lambda piece: piece + 1, [1, 2, 3], 2)) == [2, 3, 4]
 
 
 def test_ctrl_c_keeps_what_is_done(arm, sweep, stock):
@@ -282,6 +339,13 @@ def test_survey_command_resumes(problem, tmp_path, capsys):
     assert (out / "survey.csv").read_text().startswith("rank,part,number,value")
 
 
+def test_a_folder_that_cannot_be_written_is_known_first(problem, tmp_path, capsys):
+    file = tmp_path / "taken"
+    file.write_text("")
+    assert main(["survey", str(problem), "--out", str(file)]) == 2
+    assert "cannot write" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -314,7 +378,7 @@ def test_so101_stock_spring(tmp_path):
     examples = STOCK.parent
     text = (examples / "so101_stock_spring.yaml").read_text().replace("sobol: 256", "sobol: 32")
     file = tmp_path / "so101_stock_spring.yaml"
-    file.write_text(text.replace("width: 16 mm", "width: 16 mm\n  part: SY-0[13578]?2").replace("keep: 2", "keep: 1"))
+    file.write_text(text.replace("width: 16 mm", "width: 16 mm\n  part: SY-0[13578]?2").replace("keep: 3", "keep: 1"))
     (tmp_path / "stock_springs.csv").write_text(STOCK.read_text())
     problem = load_problem(file)
     problem.check()

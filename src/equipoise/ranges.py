@@ -70,14 +70,20 @@ def crossed(points: Array, others: Array, indices: Sequence[int]) -> Array:
     return poses
 
 
-def interval(values: Sequence[float], count: int, where: str, ordered: bool = True) -> list[float]:
-    """That many finite numbers, in order where they are an interval; raises InputError for others."""
+def finite(values: Sequence[float], count: int, where: str) -> list[float]:
+    """That many finite numbers; raises InputError for others."""
     if len(values) != count:
         raise InputError(f"expected {count} numbers, got {len(values)}", where=where)
     numbers = [float(value) for value in values]
     if not all(map(math.isfinite, numbers)):
         raise InputError(f"{numbers} is not finite", where=where)
-    if ordered and numbers[0] > numbers[1]:
+    return numbers
+
+
+def interval(values: Sequence[float], count: int, where: str) -> list[float]:
+    """That many finite numbers, the first two in order; raises InputError for others."""
+    numbers = finite(values, count, where)
+    if numbers[0] > numbers[1]:
         raise InputError(
             f"the limits are reversed: {numbers[0]:g} > {numbers[1]:g}", where=where, hint="write the lower limit first"
         )

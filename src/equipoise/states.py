@@ -56,6 +56,7 @@ class States:
     _bodies: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
     _frames: list[Placement] = field(default_factory=list, repr=False)
     _points: dict[int, tuple[Point, tuple[Array, Array]]] = field(default_factory=dict, repr=False)
+    _affines: dict[int, tuple[Array, Array]] = field(default_factory=dict, repr=False)
 
     @staticmethod
     def of(mechanism: Mechanism, sweep: Sweep) -> States:
@@ -124,6 +125,10 @@ class States:
     def _point(self, point: Point) -> tuple[Array, Array]:
         body = self.mechanism.body_id(point.body)
         local = np.stack(np.broadcast_arrays(*point.at), axis=-1)
+        if local.ndim == 3 and local.shape[1] == 1:
+            fixed, turn = self._affine(body)
+            both = (fixed + local[:, 0] @ turn).reshape(len(local), -1, 3, len(self))
+            return np.swapaxes(both[:, 0], 1, 2), both[:, 1:].transpose(0, 3, 2, 1)
         xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
         arm = xmat @ local if local.ndim == 1 else sum(local[..., i, None] * xmat[..., :, i] for i in range(3))
         position = xpos + arm
@@ -138,6 +143,22 @@ class States:
         moved[..., 1, :] = linear[:, 1] + wz * x - wx * z
         moved[..., 2, :] = linear[:, 2] + wx * y - wy * x
         return position, moved
+
+    def _affine(self, body: int) -> tuple[Array, Array]:
+        """Position and Jacobian ((1 + nd) * 3 * N,) of a body's origin, and what local coordinates add to them (3, .).
+
+        With it points of many candidates are one product of matrices.
+        """
+        if body not in self._affines:
+            xpos, xmat = self.kin.xpos[:, body], self.kin.xmat[:, body]
+            linear, angular = self.twist(body)
+            offset = xpos - self.kin.com[:, body] if ancestors(self.mechanism.model, body) else np.zeros_like(xpos)
+            origin = np.concatenate([xpos[..., None], linear + np.cross(angular, offset[..., None], axis=1)], axis=2)
+            turns = [
+                np.concatenate([axis, np.cross(angular, axis, axis=1)], axis=2) for axis in np.split(xmat, 3, axis=2)
+            ]
+            self._affines[body] = origin.T.reshape(-1), np.stack([turn.T.reshape(-1) for turn in turns])
+        return self._affines[body]
 
     def angle(self, joint: str) -> tuple[Array, Array]:
         """Position (N,) of a hinge or slide and its Jacobian (N, nd)."""

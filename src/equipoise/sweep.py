@@ -26,6 +26,7 @@ from equipoise.ranges import (
     anchors,
     box_of,
     few_enough,
+    finite,
     interval,
     points_each_way,
     pose_vector,
@@ -142,7 +143,7 @@ class Sweep:
         area, or leaves the joints' limits.
         """
         names = mechanism.driven[:2] if joints is None else joints
-        vertices = np.array([interval(corner, 2, "sweep.polygon", ordered=False) for corner in corners])
+        vertices = np.array([finite(corner, 2, "sweep.polygon") for corner in corners])
         rule = workspace.polygon_rule(vertices, anchors(mechanism, names), points_each_way(points))
         space = Workspace(tuple(names), vertices, rule, workspace.rim(vertices, points))
         poses, weight = space.poses(mechanism, axes or {})

@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.solve.program import Program
-from equipoise.solve.small import boxed, quadratic
+from equipoise.solve.small import boxed, elastic
 
 STEPS = 40
-PRICE = 100.0
-"""Of one unit of relative excess, in units of the squared residual of what nothing balances."""
+PRICE, RISE, DEAREST = 30.0, 10.0, 3000.0
+"""Of one unit of relative excess, in units of the squared residual of what nothing balances; how it rises, and ends."""
+PASSED = 1e-7
 RADIUS = 0.2
-STILL = 1e-9
-"""Predicted gain below which a candidate stands still, in the same units."""
+STILL = 3e-5
+"""Share of the squared residual below which a predicted gain is none."""
 SMALL = 1e-8
 NUDGE = 1e-7
 """Step of the differences, in shares of the bounds."""
@@ -72,10 +73,9 @@ class _Here:
         """The worst relative excess (K,), zero where all limits are kept."""
         return np.maximum(self.excess.max(axis=-1, initial=0.0), 0.0)
 
-    @property
-    def merit(self) -> Array:
-        """Squared residual and the price of the worst excess (K,)."""
-        return (self.residual**2).sum(-1) + PRICE * self.beyond
+    def merit(self, price: Array) -> Array:
+        """Squared residual and the price (K,) of the worst excess (K,)."""
+        return (self.residual**2).sum(-1) + price * self.beyond
 
 
 Measure = Callable[[Which, Array], _Here]
@@ -105,7 +105,7 @@ def fit(many: Many, lower: Array, upper: Array, gamma: Array, theta: Array, load
 def _descend(measure: Measure, x: Array, here: _Here, box: tuple[Array, Array], steps: int) -> None:
     """Steps of all candidates, in place, until each stands still."""
     (count, V), span = x.shape, box[1] - box[0]
-    turn, radius, merit = np.zeros((count, V, V)), np.full(count, RADIUS), here.merit
+    turn, radius, price = np.zeros((count, V, V)), np.full(count, RADIUS), np.full(count, PRICE)
     missed = _Here(*(np.zeros_like(part) for part in here.parts))
     bent = np.zeros(count, dtype=bool)
     active = np.arange(count)
@@ -114,20 +114,29 @@ def _descend(measure: Measure, x: Array, here: _Here, box: tuple[Array, Array], 
         unit = _unit(now, span)
         room = radius[active, None] * np.minimum(span / unit, OPEN)
         reach = np.maximum((box[0] - x[active]) / unit, -room), np.minimum((box[1] - x[active]) / unit, room)
-        move, predicted = _step(now, missed.take(active), turn[active], unit, reach)
-        standing = (predicted <= STILL) & ~bent[active]
+        move, predicted, dual = _step(now, missed.take(active), turn[active], unit, reach, price[active])
+        standing = (predicted <= STILL * now.merit(price[active]) + STILL**2) & ~bent[active]
+        # Limits that are passed where nothing moves any more have too low a price.
+        cheap = standing & (now.beyond > PASSED) & (price[active] < DEAREST)
+        price[active[cheap]] *= RISE
+        radius[active[cheap]] = RADIUS
         keep = ~standing
+        raised = active[cheap]
         active, move, predicted, now, unit = active[keep], move[keep], predicted[keep], now.take(keep), unit[keep]
+        dual = dual[keep]
         if not len(active):
-            return
+            if not len(raised):
+                return
+            active = raised
+            continue
         there = np.clip(x[active] + move, *box)
         trial = measure(active, there)
-        gain = merit[active] - trial.merit
+        gain = now.merit(price[active]) - trial.merit(price[active])
         ratio = gain / np.maximum(predicted, 1e-300)
         better = (gain > 0) & (ratio > 0.02)
         done = active[better]
-        turn[done] = _turned(turn[done], move[better], now.take(better), trial.take(better))
-        x[done], merit[done] = there[better], trial.merit[better]
+        turn[done] = _turned(turn[done], move[better], now.take(better), trial.take(better), dual[better])
+        x[done] = there[better]
         here.put(done, trial.take(better))
         # A first failure bends the model by what it missed there; a second shrinks its region.
         again = ~better & ~bent[active]
@@ -147,7 +156,7 @@ def _descend(measure: Measure, x: Array, here: _Here, box: tuple[Array, Array], 
         straight = active[~again]
         for part in (missed.residual, missed.excess):
             part[straight] = 0.0
-        active = active[radius[active] > SMALL]
+        active = np.sort(np.append(active[radius[active] > SMALL], raised))
 
 
 def _unit(here: _Here, span: Array) -> Array:
@@ -156,10 +165,13 @@ def _unit(here: _Here, span: Array) -> Array:
     return np.minimum(1.0 / np.maximum(slope, 1e-12), span)
 
 
-def _step(here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Array, Array]) -> tuple[Array, Array]:
-    """The move (K, V) that the elastic quadratic program asks for, and the merit it predicts to gain (K,)."""
+def _step(
+    here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Array, Array], price: Array
+) -> tuple[Array, Array, Array]:
+    """The move (K, V) of the elastic quadratic program, the merit it predicts to gain (K,), the multipliers (K, M)."""
     J = here.slope * unit[:, None, :]
-    A, excess = _near(here.steepness * unit[:, None, :], here.excess + missed.excess, reach)
+    dual = np.zeros_like(here.excess)
+    A, excess, near = _near(here.steepness * unit[:, None, :], here.excess + missed.excess, reach)
     plain = np.swapaxes(J, 1, 2) @ J
     curved = plain + turn * unit[:, :, None] * unit[:, None, :]
     values, vectors = np.linalg.eigh(curved)
@@ -169,39 +181,22 @@ def _step(here: _Here, missed: _Here, turn: Array, unit: Array, reach: tuple[Arr
     passing = np.flatnonzero(~least | (np.einsum("kiv,kv->ki", A, move) + excess > 0).any(axis=1))
     if len(passing):
         low, high = (end[passing] for end in reach)
-        move[passing] = _elastic(positive[passing], gradient[passing], A[passing], excess[passing], low, high)
+        parts = (part[passing] for part in (positive, gradient, A, np.maximum(excess, -FAR)))
+        move[passing], pushed = elastic(*parts, low, high, price[passing] / 2)
+        dual[passing[:, None], near[passing]] = pushed
     after = np.einsum("kiv,kv->ki", A, move) + excess
     model = np.einsum("kv,kvw,kw->k", move, positive, move) + 2 * (gradient * move).sum(-1)
-    predicted = -model + PRICE * (here.beyond - np.maximum(after.max(axis=-1, initial=0.0), 0.0))
-    return move * unit, predicted
+    predicted = -model + price * (here.beyond - np.maximum(after.max(axis=-1, initial=0.0), 0.0))
+    return move * unit, predicted, dual
 
 
-def _elastic(H: Array, gradient: Array, A: Array, excess: Array, low: Array, high: Array) -> Array:
-    """The move (K, V) of least model and price of the worst excess: one more variable, which all limits share."""
-    count, M, V = A.shape
-    wide = np.zeros((count, V + 1, V + 1))
-    wide[:, :V, :V] = H
-    wide[:, V, V] = 1e-8
-    q = np.concatenate([gradient, np.full((count, 1), PRICE / 2)], axis=1)
-    G = np.zeros((count, M + 1 + 2 * V, V + 1))
-    G[:, :M, :V], G[:, : M + 1, V] = A, -1.0
-    index = np.arange(V)
-    G[:, M + 1 + index, index], G[:, M + 1 + V + index, index] = 1.0, -1.0
-    h = np.concatenate([np.minimum(-excess, FAR), np.zeros((count, 1)), high, -low], axis=1)
-    start = np.zeros((count, V + 1))
-    start[:, V] = np.maximum(excess.max(axis=-1, initial=0.0), 0.0) + 0.1
-    dual = np.full(h.shape, 1e-2)
-    dual[:, : M + 1] = PRICE / 2 / (M + 1)
-    return np.clip(quadratic(wide, q, G, h, start, dual)[:, :V], low, high)
-
-
-def _near(A: Array, excess: Array, reach: tuple[Array, Array]) -> tuple[Array, Array]:
-    """The limits (K, NEAR) that a step could come closest to passing, or pass farthest."""
+def _near(A: Array, excess: Array, reach: tuple[Array, Array]) -> tuple[Array, Array, Which]:
+    """The limits (K, NEAR) that a step could come closest to passing, or pass farthest, and which they are."""
     if excess.shape[1] <= NEAR:
-        return A, excess
+        return A, excess, np.broadcast_to(np.arange(excess.shape[1]), excess.shape)
     most = excess + (np.maximum(A * reach[1][:, None, :], A * reach[0][:, None, :])).sum(-1)
     rows = np.argpartition(-most, NEAR, axis=1)[:, :NEAR]
-    return np.take_along_axis(A, rows[..., None], axis=1), np.take_along_axis(excess, rows, axis=1)
+    return np.take_along_axis(A, rows[..., None], axis=1), np.take_along_axis(excess, rows, axis=1), rows
 
 
 def _missed(here: _Here, there: _Here, move: Array) -> _Here:
@@ -211,12 +206,13 @@ def _missed(here: _Here, there: _Here, move: Array) -> _Here:
     return _Here(residual, np.zeros_like(here.slope), excess, np.zeros_like(here.steepness))
 
 
-def _turned(S: Array, step: Array, old: _Here, new: _Here) -> Array:
-    """The second-order part S (K, V, V) after a step (K, V) from one place to another."""
+def _turned(S: Array, step: Array, old: _Here, new: _Here, dual: Array) -> Array:
+    """The second-order part S (K, V, V) of residual and limits, times their multipliers (K, M), after a step (K, V)."""
+    bent = np.einsum("kmv,km->kv", new.steepness - old.steepness, dual)
     before = np.einsum("krv,kr->kv", old.slope, old.residual)
     after = np.einsum("krv,kr->kv", new.slope, new.residual)
-    turned = np.einsum("krv,kr->kv", new.slope - old.slope, new.residual)
-    changed = after - before
+    turned = np.einsum("krv,kr->kv", new.slope - old.slope, new.residual) + bent
+    changed = after - before + bent
     along = (changed * step).sum(-1)
     Ss = np.einsum("kij,kj->ki", S, step)
     with np.errstate(divide="ignore", invalid="ignore"):

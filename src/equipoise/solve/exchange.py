@@ -186,10 +186,7 @@ def _initial(program: Program, theta: Array) -> Working:
         else:
             chosen = np.arange(term.b.shape[0] * len(term.sizes))
         terms.append(chosen)
-    rows = [
-        np.arange(len(rows.h)) if rows.equality else _worst_rows(rows.excess(theta), np.zeros(0, dtype=int), force=True)
-        for rows in program.rows
-    ]
+    rows = [np.arange(len(rows.h)) if rows.equality else _tightest(rows.excess(theta)) for rows in program.rows]
     return Working(terms, rows)
 
 
@@ -216,11 +213,9 @@ def _worst(term: Term, r: Array, count: int = BATCH) -> Indices:
     return np.unique(np.concatenate(found))
 
 
-def _worst_rows(excess: Array, known: Indices, force: bool = False) -> Indices:
-    """Known rows and the few most violated others (or simply the tightest, when forced)."""
-    order = np.argsort(-excess)[:BATCH]
-    chosen = order if force else order[excess[order] > 0]
-    return np.union1d(known, chosen).astype(int)
+def _tightest(excess: Array) -> Indices:
+    """The few rows that are kept by least, or violated by most."""
+    return np.sort(np.argsort(-excess)[:BATCH])
 
 
 def _grow(program: Program, working: Working, answer: Answer) -> bool:
@@ -243,7 +238,8 @@ def _grow(program: Program, working: Working, answer: Answer) -> bool:
             continue
         excess = rows.excess(answer.theta) / rows.scale - answer.excess
         if excess.max() > TOLERANCE:
-            grown = _worst_rows(excess, working.rows[k])
+            worst = _tightest(excess)
+            grown = np.union1d(working.rows[k], worst[excess[worst] > 0]).astype(int)
             grew |= len(grown) > len(working.rows[k])
             working.rows[k] = grown
     return grew

@@ -13,12 +13,13 @@ from equipoise.solve.program import Program
 
 @dataclass(frozen=True, eq=False)
 class Sifted:
-    """Geometries (S,) of one path: Gram matrices (S, 4, 4) of what a part scales, and the range of its length (S,).
+    """Geometries gamma (S, G) of a path: Gram matrices (S, 4, 4) of what a part scales, and its range of length (S,).
 
     The residual is load + mass sag + tension-at-zero pull + rate stretch, with every other unknown already at its
     best: |r|^2 = c' M c for c = (1, mass, tension at zero length, rate). excess (S,) is that of limits on geometry.
     """
 
+    gamma: Array
     gram: Array
     shortest: Array
     longest: Array
@@ -29,16 +30,19 @@ class Sifted:
 
         slack (C,) is what the range is measured by, load what the objective is.
         """
-        squares = np.einsum("ci,sij,cj->cs", coefficients, self.gram, coefficients, optimize=True)
+        left, right = np.triu_indices(4)
+        twice = np.where(left == right, 1.0, 2.0)
+        squares = (coefficients[:, left] * coefficients[:, right]) @ (self.gram[:, left, right] * twice).T
         beyond = np.maximum(low[:, None] - self.shortest, self.longest - high[:, None])
         out = np.maximum(beyond, 0.0) / slack[:, None] + np.maximum(self.excess, 0.0)
         return np.sqrt(np.maximum(squares, 0.0)) + price * load * np.minimum(out, 1e3)
 
 
-def sift(program: Program, part: Indices, sag: Array, length: Array) -> Sifted:
-    """Gram matrices of a program over geometries (S, .), whose unknowns `part` are the spring's (preload, rate).
+def sift(program: Program, part: Indices, sag: Array, length: Array, gamma: Array, lead: Array) -> Sifted:
+    """Gram matrices of a program over geometries gamma (S, G), whose unknowns `part` are the spring's (preload, rate).
 
-    sag (S, N, R) is what one kilogram of the spring adds to the residual of the first term, length (S, N).
+    sag (S, N, R) is what one kilogram of the spring adds to the residual of the first term, length (S, N); lead (S,) of
+    it is a leader's.
     """
     count = len(length)
     others = np.setdiff1d(np.arange(len(program.unknowns)), part)
@@ -51,7 +55,8 @@ def sift(program: Program, part: Indices, sag: Array, length: Array) -> Sifted:
         b = np.broadcast_to(term.b, (count, *term.b.shape[-2:]))
         A = np.broadcast_to(term.A, (count, *term.A.shape[-3:]))
         own = sag if first else np.zeros_like(b)
-        columns = np.concatenate([b[..., None], own[..., None], A[..., part], A[..., others]], axis=-1) * root
+        pull, stretch = A[..., part[:1]], A[..., part[1:]] - lead[:, None, None, None] * A[..., part[:1]]
+        columns = np.concatenate([b[..., None], own[..., None], pull, stretch, A[..., others]], axis=-1) * root
         flat = columns.reshape(count, -1, columns.shape[-1])
         gram += np.swapaxes(flat, 1, 2) @ flat
         first = False
@@ -59,7 +64,7 @@ def sift(program: Program, part: Indices, sag: Array, length: Array) -> Sifted:
     for rows in program.rows:
         if not np.any(rows.G) and rows.h.shape[-1]:
             excess = np.maximum(excess, (-rows.h / rows.scale).max(axis=-1))
-    return Sifted(_reduced(gram), length.min(-1), length.max(-1), excess)
+    return Sifted(gamma, _reduced(gram), length.min(-1) - lead, length.max(-1) - lead, excess)
 
 
 def _reduced(gram: Array) -> Array:

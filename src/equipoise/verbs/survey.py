@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 
 import numpy as np
@@ -22,12 +21,13 @@ from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
 from equipoise.tasks import task_of
 from equipoise.verbs.candidates import Work
+from equipoise.verbs.searching import Search
 from equipoise.verbs.shape import freedom_of, load_of
+from equipoise.verbs.workers import shared
 
 CHUNK = 325
-WORKERS = 2
 
-Rows = NDArray[np.intp]
+Chunk = tuple[NDArray[np.intp], Array]
 Progress = Callable[[int, int, float], None]
 Store = Callable[[Sequence[Line]], None]
 
@@ -46,6 +46,7 @@ def survey_catalogue(
     objective: Aim | Sequence[Aim] | None = None,
     limits: Sequence[Limit] = (),
     seed: int = 0,
+    workers: int = 1,
     done: Sequence[Line] = (),
     store: Store | None = None,
     progress: Progress | None = None,
@@ -54,11 +55,13 @@ def survey_catalogue(
 
     free {parameter: (low, high)}, SI, are the geometry's; what of it belongs to the spring's own law falls away, for a
     part's numbers are given. Up to `parallel` springs of a row side by side are tried. Each candidate is started from
-    the best of many geometries, judged in closed form, and descends by batched quadratic programming on the rms; the
-    values that count are then taken over all states, in every norm, and ranked by the objective's own. Working ranges,
-    limits and own masses count. done are lines of an earlier run, which are not worked on again; store is handed every
-    chunk of finished lines; progress is called with (done, all, best). Of more than `most` candidates only those are
-    worked on that the closed form ranks first. Ctrl-C ends with the ranking of what is done.
+    the best of many geometries, judged in closed form, and from where its likes came to rest; it descends by batched
+    quadratic programming on the rms and goes on by the objective's norm. The values that count are taken over all
+    states, in every norm, and ranked by the objective's own. Working ranges, limits and own masses count. workers
+    processes share the work, whose answer does not depend on how many they are; a script that asks for more than one
+    needs the usual guard of multiprocessing. done are lines of an earlier run, which are not worked on again; store is
+    handed every chunk of finished lines; progress is called with (done, all, best). Of more than `most` candidates only
+    those are worked on that the closed form ranks first. Ctrl-C ends with the ranking of what is done.
     """
     name, placed = _placed(balancers, spring, catalogue)
     kept = {
@@ -70,22 +73,24 @@ def survey_catalogue(
     load = load_of(task, states)
     if not load > 0:
         raise InputError("nothing loads what counts", where="survey", hint="check gravity and joints")
-    work = Work(task, name, freedoms, catalogue, states, load, seed)
+    work = Work(task, name, freedoms, catalogue, states, load, seed, parallel)
+    search = Search(work)
     jobs = [(row, number) for number in range(1, parallel + 1) for row in range(len(catalogue))]
-    known = {(line.part, line.number) for line in done}
-    jobs = [(row, number) for row, number in jobs if (catalogue.part[row], number) not in known]
-    outranked = 0
+    known, outranked = {(line.part, line.number) for line in done}, 0
     if most is not None and len(jobs) > most:
-        outranked, jobs = len(jobs) - most, work.promising(jobs, most)
+        outranked, jobs = len(jobs) - most, search.promising(jobs, most)
+    # Chunks are those of the whole survey, so that a survey that goes on finds what it would have found.
+    chunks = [chunk for chunk in _chunks(catalogue, jobs) if not _parts(catalogue, chunk) <= known]
     lines = list(done)
     try:
-        for found in _worked(work, list(_chunks(catalogue, jobs))):
+        for whole in shared(search, chunks, workers):
+            found = [line for line in whole if (line.part, line.number) not in known]
             lines += found
             if store:
                 store(found)
             if progress:
                 best = min((line.value for line in lines if not line.refused), default=np.inf)
-                progress(len(lines), len(done) + len(jobs), best)
+                progress(len(lines), len(jobs), best)
     except KeyboardInterrupt:
         if not lines:
             raise
@@ -93,7 +98,7 @@ def survey_catalogue(
     return Ranking(catalogue, name, names, work.units, work.norm, tuple(lines), outranked)
 
 
-def _chunks(catalogue: Catalogue, jobs: Sequence[tuple[int, int]]) -> Iterator[tuple[Rows, Array]]:
+def _chunks(catalogue: Catalogue, jobs: Sequence[tuple[int, int]]) -> Iterator[Chunk]:
     for form in dict.fromkeys(catalogue.form):
         same = [(row, number) for row, number in jobs if catalogue.form[row] == form]
         for start in range(0, len(same), CHUNK):
@@ -101,24 +106,8 @@ def _chunks(catalogue: Catalogue, jobs: Sequence[tuple[int, int]]) -> Iterator[t
             yield np.array(rows, dtype=np.intp), np.array(numbers, dtype=float)
 
 
-def _worked(work: Work, chunks: list[tuple[Rows, Array]]) -> Iterator[list[Line]]:
-    """The lines of all chunks as they finish; what runs when the work is cut short is waited for, not thrown away."""
-    with ThreadPoolExecutor(WORKERS) as pool:
-        running: set[Future[list[Line]]] = set()
-        waiting = iter(chunks)
-        try:
-            while True:
-                while len(running) < WORKERS and (chunk := next(waiting, None)) is not None:
-                    running.add(pool.submit(work.lines, *chunk))
-                if not running:
-                    return
-                finished, running = wait(running, return_when=FIRST_COMPLETED)
-                for future in finished:
-                    yield future.result()
-        except KeyboardInterrupt:
-            for future in running:
-                yield future.result()
-            raise
+def _parts(catalogue: Catalogue, chunk: Chunk) -> set[tuple[str, int]]:
+    return {(catalogue.part[row], int(number)) for row, number in zip(*chunk, strict=True)}
 
 
 def _placed(
