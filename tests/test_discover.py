@@ -478,3 +478,22 @@ def test_ctrl_c_returns_what_is_finished():
     assert [len(design.balancers) for design in front.designs] == [1]
     assert "stopped by hand" in str(front)
     assert front.json()["stopped"]
+
+
+def test_ur10_makeable():
+    """Over few poses and candidates: two places of wound springs hold what takes four of a crude greedy choice."""
+    problem = load_problem(EXAMPLES / "ur10_makeable.yaml")
+    problem.check()
+    few = {"pairs": (("shoulder_link", "forearm_link"),), "candidates": 300, "contenders": 1}
+    request = replace(problem.content.discover, **few)
+    front = eq.discover(problem.mechanism, problem.sweep.thinned(np.arange(48)), request, objective=problem.objective)
+    assert len(front.designs[-1].balancers) == 2
+    assert front.values[-1] < 22.0
+    for design in front.designs:
+        for spring in design.balancers:
+            assert isinstance(spring.law, eq.ExtensionSpring)
+            assert np.abs(request.make.sizes - spring.law.wire).min() < 1e-12
+            length = spring.path.deform(design.states)[0]
+            assert spring.law.span[0] <= length.min() * (1 + 1e-6)
+            assert length.max() <= spring.law.span[1] * (1 + 1e-6)
+            assert design.added_mass >= spring.law.own_mass
