@@ -384,10 +384,11 @@ def survey() -> None:
     mine = np.array([by_part[stock.part[row]] for row in some])
     both = np.isfinite(mine) & np.isfinite(theirs)
     ratio = mine[both] / theirs[both]
+    kept, refused = ((np.isfinite(one) & ~both).sum() for one in (mine, theirs))
     note = (
         f"{(ratio <= 1.001).sum()} of {len(ratio)} rows equal or better to 0.1 %, "
-        f"worst {100 * (ratio.max() - 1):+.2f} %, best {100 * (ratio.min() - 1):+.2f} %; kept "
-        f"{(np.isfinite(mine) & ~both).sum()} that it refused, refused {(np.isfinite(theirs) & ~both).sum()} it kept; {clock:.1f} s by the clock"
+        f"worst {100 * (ratio.max() - 1):+.2f} %, best {100 * (ratio.min() - 1):+.2f} %; "
+        f"kept {kept} that it refused, refused {refused} it kept; {clock:.1f} s by the clock"
     )
     told = f"SLSQP, {starts} starts, every {every}th (scaled)"
     line(f"survey, {len(stock)} springs, 4 coordinates", told, loop, ours, note)

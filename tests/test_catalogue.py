@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import tempfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import equipoise as eq
 from equipoise.cli import main
@@ -138,6 +142,12 @@ METRIC = "part,rate [N/mm],free length [mm],max length [mm]\n"
         ("part,rate,free length [mm],max length [in]\nA,1,50,80\n", "column 'rate'", "both metric and inch"),
         ("part,rate [N/mm],k [N/mm],L0 [mm],Ln [mm]\nA,1,1,5,8\n", "springs.csv", "both 'rate \\[N/mm\\]' and 'k"),
         ("part,type,R [N/mm],L0 [mm],Ln [mm]\nA,wave,1,5,8\n", "row 2, column 'type'", "no kind of spring"),
+        (METRIC + '"A\nB",1,50,80\nC,x,50,80\n', "row 4, column 'rate [N/mm]'", "'x' is not a number"),
+        (METRIC + 'A,1,50,80\n"B,1,50,80\nC,1,50,80\n', "row 3", "a quote is amiss"),
+        (METRIC + "A,1,50,80\n" + "B" * 200_000 + ",1,50,80\n", "row 3", "more than 131072 characters"),
+        (METRIC + "A,=B2*2,50,80\n", "row 2, column 'rate [N/mm]'", "'=B2\\*2' is not a number"),
+        (METRIC + 'A,"1,5",50,80\n', "row 2, column 'rate [N/mm]'", "'1,5' is not a number"),
+        (METRIC + "A,1e300,50,80\n", "row 2, column 'rate [N/mm]'", "beyond all springs"),
     ],
 )
 def test_faults_are_told_with_row_and_column(tmp_path, text, where, words):
@@ -145,6 +155,49 @@ def test_faults_are_told_with_row_and_column(tmp_path, text, where, words):
         eq.read_catalogue(write(tmp_path, text))
     assert where in error.value.where
     assert error.value.exit_code == 2
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_encodings_are_recognised(tmp_path, encoding):
+    """Excel's ways of saving text; thousands with points, decimals with commas."""
+    file = tmp_path / "springs.csv"
+    file.write_bytes("Artikelnr.;Federrate [N/m];L0 [mm];Länge max. [mm]\nZ-Ø1;1.234,5;50,5;80\n".encode(encoding))
+    found = eq.read_catalogue(file, columns={"longest": "Länge max. [mm]"})
+    assert found.part == ("Z-Ø1",)
+    assert (found.rate[0], found.free_length[0]) == pytest.approx((1234.5, 0.0505))
+
+
+PIECES = ["1", "-1", "0", "1,5", "1.234,5", "1e400", "1e308", "5 mm", "2 in", "=A1", "", "nan", '"a\nb"', '"', "x,y",
+          "1..2", "1,2,3", "±3", "٣", "\x85", "\x0b", "a\rb", "\0", "N/mm"]  # fmt: skip
+
+
+@st.composite
+def files(draw):
+    """Tables with a few cells amiss, in any encoding, or no table at all."""
+    mark, end = draw(st.sampled_from(",;\t|")), draw(st.sampled_from(["\n", "\r\n", "\r", "\n\n"]))
+    heads = ["part", "rate [N/mm]", "free length [mm]", "max length [mm]", "wire [mm]", "outside diameter [mm]", "type"]
+    count = draw(st.integers(3, len(heads)))
+    good = st.integers(1, 90).map(str)
+    bad = st.one_of(st.sampled_from(PIECES), st.text(max_size=4))
+    rows = [
+        [f"P{i}", *(draw(bad if draw(st.integers(0, 9)) == 0 else good) for _ in heads[1:count])]
+        for i in range(draw(st.integers(0, 3)))
+    ]
+    text = end.join(mark.join(row) for row in [heads[:count], *rows])
+    return draw(st.one_of(st.just(text.encode(draw(st.sampled_from(["utf-8", "utf-16"])), "ignore")), st.binary()))
+
+
+@settings(max_examples=150, deadline=None, database=None, derandomize=True)
+@given(files())
+def test_any_file_is_read_or_refused(raw):
+    """Whatever stands in a file: numbers that are finite, or a message, never a fault of our own."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "springs.csv"
+        file.write_bytes(raw)
+        with contextlib.suppress(InputError):
+            found = eq.read_catalogue(file)
+            for values in (found.rate, found.free_length, found.travel, found.mass, found.initial_tension):
+                assert np.isfinite(values).all()
 
 
 def test_a_file_that_is_none(tmp_path):

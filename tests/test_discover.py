@@ -395,7 +395,7 @@ def small():
 
 def test_a_front_reads_in_workshop_words(small, monkeypatch):
     """A table first, then each design; no class names, no powers of ten beyond rounding, wrapped."""
-    monkeypatch.setenv("COLUMNS", "90")
+    monkeypatch.setattr("equipoise.reporting.layout.width", lambda: 90)
     told = str(small)
     lines = told.splitlines()
     table = lines.index(next(line for line in lines if "peak [N m]" in line))

@@ -90,7 +90,7 @@ def belt_of(geared):
 def test_belts_pairs_and_rods_elsewhere_load_bearings_with_torques_alone(rod, turn):
     states = rod.states(turn)
     bare = eq.bearing_forces(states).force
-    for one in (rotor(ratio=-2.0), rotor(gear_inertia=0.01), rotor(at=eq.Point("world"))):
+    for one in (rotor(ratio=-2.0), rotor(gear_inertia=0.01), rotor(at=eq.Point("world")), rotor(at=None)):
         assert one.pushed(states, {}) is None
         np.testing.assert_allclose(eq.bearing_forces(states, [one]).force, bare, atol=1e-12)
     pair = rotor(gear_inertia=0.01, pitch_radius=0.04).meshes(states, {})

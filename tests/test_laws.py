@@ -452,7 +452,9 @@ ROTORS = {
     "rotor": lambda m: eq.CounterRotor("b", bodies(m)[1], ratio=1.5),
     "planetary": lambda m: eq.CounterRotor("b", bodies(m)[1], gear_inertia=0.01, at=eq.Point(bodies(m)[0]), radius=0.1),
     "belt": lambda m: eq.CounterRotor("b", bodies(m)[1], ratio=-2.0, inertia=0.02, mass=0.3),
-    "steep": lambda m: eq.CounterRotor("b", bodies(m)[1], inertia=0.02, pressure_angle=0.4),
+    "steep": lambda m: eq.CounterRotor(
+        "b", bodies(m)[1], inertia=0.02, at=eq.Point("world", (0.1, 0.0, 0.2)), pressure_angle=0.4
+    ),
     "plate": lambda m: eq.Counterweight("b", eq.Point(bodies(m)[1]), reach=0.1, shape=eq.Plate()),
 }
 

@@ -399,6 +399,35 @@ def test_relays_of_a_motion_with_ball_and_free_joints():
     assert together.moving.acceleration[some] == pytest.approx(alone.moving.acceleration, rel=1e-9, abs=1e-9)
 
 
+CABLED = """
+<mujoco><worldbody><site name="o" pos="-.1 .1 .4"/><site name="p" pos=".2 .3 .5"/>
+<body name="a"><joint name="drive" axis="0 1 0"/><geom size=".02" mass="1" pos=".2 0 0"/>
+<site name="s" pos=".3 0 .02"/></body>
+<body name="b" pos=".7 0 0"><joint name="b1" axis="0 1 0"/><joint name="b2" axis="1 0 0"/>
+<geom size=".02" mass="1" pos="0 0 .2"/><site name="t" pos="0 .05 .3"/><site name="u" pos=".05 0 .2"/></body>
+<body name="c" pos="0 1 0"><joint name="c"/><geom size=".02" mass="1" pos=".1 0 0"/>
+<site name="v" pos=".2 .1 0"/></body>
+</worldbody><tendon><spatial name="x"><site site="s"/><site site="t"/></spatial>
+<spatial name="y"><site site="o"/><site site="s"/><pulley divisor="2"/><site site="p"/><site site="u"/></spatial>
+<spatial name="z"><site site="s"/><site site="u"/></spatial>
+<spatial name="w"><site site="p"/><site site="v"/></spatial>
+</tendon><equality><tendon tendon1="x" polycoef="0"/><tendon tendon1="y" polycoef="0"/>
+<tendon tendon1="w" tendon2="z" polycoef="0 .5 .8"/></equality></mujoco>"""
+
+
+def test_cables_that_close_loops_have_accelerations():
+    """Cables of constant length, over a pulley, and coupled by a law: as velocities change from instant to instant."""
+    arm = loaded(CABLED, ("drive",))
+    sweep = Sweep.motion(arm, {"drive": "0.05*sin(2*pi*t/T)"}, duration=1.0, samples=3)
+    h, time = 1e-4, np.linspace(0.05, 0.95, 13)
+    found = arm.states(sweep.at(time[:, None])).moving.acceleration
+    ahead, behind = (arm.states(sweep.at((time + step)[:, None])).moving.velocity for step in (h, -h))
+    far, near = (arm.states(sweep.at((time + 2 * step)[:, None])).moving.velocity for step in (h, -h))
+    slope = (8 * (ahead - behind) - (far - near)) / (12 * h)
+    assert np.abs(found[:, 1:]).max() > 1.0
+    assert found == pytest.approx(slope, rel=1e-7, abs=1e-7)
+
+
 COUPLED = """
 <mujoco><compiler angle="radian"/><worldbody>
 <body name="a"><joint name="drive"/><geom size=".02"/>

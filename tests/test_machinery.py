@@ -32,7 +32,7 @@ def parts():
     return [
         eq.Counterweight("tail", eq.Point("crank", (-0.05, 0.0, 0.01)), mass=0.2, shape=eq.Disc(0.03)),
         eq.Counterweight("free", eq.Point("rocker"), reach=0.1),
-        eq.CounterRotor("rotor", "rocker", inertia=0.005, mass=0.1),
+        eq.CounterRotor("rotor", "rocker", inertia=0.005, mass=0.1, at=eq.Point("world", (0.2, 0.0, -0.03))),
         eq.Spring("s", line, eq.ZeroFreeLength(k=300.0)),
     ]
 

@@ -176,6 +176,10 @@ def test_a_survey_goes_on_where_it_was_stopped(arm, sweep, stock, ranking, tmp_p
     assert sorted(ledger.load(), key=str) == sorted(whole.lines, key=str)
     with pytest.raises(InputError, match="another survey"):
         Ledger(ledger.path, "xyz", ranking.free, ranking.units).load()
+    ledger.path.write_text(ledger.path.read_text().replace(",1,", ",one,", 1))
+    with pytest.raises(InputError, match="not as it was written") as error:
+        ledger.load()
+    assert error.value.where.endswith("row 3")
 
 
 def test_processes_find_the_same(arm, sweep, stock, monkeypatch):
@@ -333,6 +337,13 @@ def test_survey_command_resumes(problem, tmp_path, capsys):
     assert [line["part"] for line in second["ranked"]] == [line["part"] for line in first["ranked"]]
     assert second["ranked"][0]["value"] == pytest.approx(first["ranked"][0]["value"], rel=1e-6)
     assert (out / "survey.csv").read_text().startswith("rank,part,number,value")
+
+
+def test_a_folder_that_cannot_be_written_is_known_first(problem, tmp_path, capsys):
+    file = tmp_path / "taken"
+    file.write_text("")
+    assert main(["survey", str(problem), "--out", str(file)]) == 2
+    assert "cannot write" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -36,6 +36,17 @@ class Point:
 
     body: str
     at: tuple[Any, Any, Any] = (0.0, 0.0, 0.0)
+
+    @classmethod
+    def of(cls, body: str, place: Iterable[Any]) -> Point:
+        """A point from its three coordinates, however they are kept."""
+        x, y, z = place
+        return cls(body, (x, y, z))
+
+    @classmethod
+    def many(cls, body: str, places: Array) -> Point:
+        """Places (C, 3) of a body as one point, on an axis of candidates before the states'."""
+        return cls.of(body, places.T[:, :, None])
 
 
 @dataclass(frozen=True)

@@ -73,7 +73,7 @@ def geometry(balancer: Any) -> tuple[tuple[str, str], ...]:
     """Names of all numbers that say where a balancer acts, with their SI units: of its path, or its place."""
     if hasattr(balancer, "path"):
         return tuple(_numbers(balancer.path, f"{balancer.name}.path", balancer.path.unit))
-    if hasattr(balancer, "at"):
+    if getattr(balancer, "at", None) is not None:
         return tuple((f"{balancer.name}.at.{axis}", "m") for axis in AXES)
     return ()
 

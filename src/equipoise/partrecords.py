@@ -83,7 +83,7 @@ def _rotor_part(design: Design, rotor: CounterRotor) -> dict[str, Any]:
         "ratio": float(rotor.ratio),
         "inertia": rotor.found(design.values),
         "mass": rotor.own_mass(design.values),
-        "ends": [{"body": rotor.at.body, "at": [float(v) for v in rotor.at.at]}],
+        "ends": [{"body": rotor.shaft.body, "at": [float(v) for v in rotor.shaft.at]}],
     }
     if design.states.rates is not None:
         meshes = rotor.meshes(design.states, design.values)

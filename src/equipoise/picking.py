@@ -110,6 +110,8 @@ def surveyed(problem: Problem, request: Pick, spring: str | None, out: Path, see
     signature = hashlib.sha256(json.dumps(told, default=str, sort_keys=True).encode()).hexdigest()[:16]
     ledger = Ledger(out / ROWS, signature, names, units)
     done = ledger.load()
+    # Where nothing can be written, it is better known before than after the first rows.
+    ledger.append([])
     if done:
         say(f"{len(done)} candidates were finished before; going on from there")
     unit = leading(problem.objective).unit(problem.mechanism)

@@ -32,17 +32,18 @@ class CounterRotor:
 
         Omega = w_c - ratio (w_b - w_c),   M = J dOmega/dt n,   effort = J dOmega/dt dOmega/dqdot
 
-    body turns at w_b about the axis n, the carrier (default: the base) at w_c; a positive ratio counter-rotates
-    (a gear mesh, teeth of body's gear over rotor's, as in [arakelian_smith_2008]), a negative one turns along (a
-    belt). `at` is the shaft's place on the carrier. inertia J in kg m^2, None where unknown; gear_inertia is that of
-    the gear or pulley which turns with the body itself on the same shaft's carrier (a planetary pair: belt to the
-    base, then the mesh). The rotor's mass is `mass`, or follows from a disc of `radius`: m = 2 J / radius^2. Every
-    joint between carrier, body and base must turn about n or slide. Unknown name.J.
+    body turns at w_b about the axis n, the carrier at w_c; a positive ratio counter-rotates (a gear mesh, teeth of
+    body's gear over rotor's, as in [arakelian_smith_2008]), a negative one turns along (a belt). `at` is the shaft's
+    place on the carrier; left out it stands anywhere on the base. inertia J in kg m^2, None where unknown; gear_inertia
+    is that of the gear or pulley which turns with the body itself on the same shaft's carrier (a planetary pair: belt
+    to the base, then the mesh). The rotor's mass is `mass`, or follows from a disc of `radius`: m = 2 J / radius^2.
+    Every joint between carrier, body and base must turn about n or slide. Unknown name.J.
 
-    Where the carrier holds the body's own hinge (and there is no pair), gears of a positive ratio keep their centres
-    at a distance a: the pitch radius is a / (1 + ratio), or the given one, which must agree, and the force on the
-    teeth, at pressure_angle, loads the body's bearing. Belts, internal gears and pairs, whose two shafts one carrier
-    holds, load it with torques alone; a pair's pitch_radius tells the force on its teeth.
+    Where the carrier holds the body's own hinge beside a given place `at` (and there is no pair), gears of a positive
+    ratio keep their centres at a distance a: the pitch radius is a / (1 + ratio), or the given one, which must agree,
+    and the force on the teeth, at pressure_angle, loads the body's bearing. Belts, internal gears, pairs, whose two
+    shafts one carrier holds, and rotors without a place load it with torques alone; a pitch_radius still tells the
+    force on the teeth.
     """
 
     name: str
@@ -50,13 +51,18 @@ class CounterRotor:
     ratio: Number = 1.0
     inertia: Inertia | None = None
     gear_inertia: Inertia = 0.0
-    at: Point = BASE
+    at: Point | None = None
     radius: Length | None = None
     mass: Mass = 0.0
     pitch_radius: Length | None = None
     pressure_angle: Angle = PRESSURE
     like: str | None = None
     sources: ClassVar[tuple[str, ...]] = ("arakelian_smith_2008",)
+
+    @property
+    def shaft(self) -> Point:
+        """Where the shaft stands: any place on the base weighs and moves alike."""
+        return self.at or BASE
 
     @property
     def owner(self) -> str:
@@ -85,7 +91,7 @@ class CounterRotor:
             raise InputError("both mass and radius are given", where=where, hint="the radius already tells the mass")
         if not turning(mechanism, self.body):
             raise InputError(f"{self.body} only slides: there is no rotation to counter", where=where)
-        turning(mechanism, self.at.body)
+        turning(mechanism, self.shaft.body)
         self._check_teeth(mechanism, where)
 
     def _check_teeth(self, mechanism: Mechanism, where: str) -> None:
@@ -113,14 +119,14 @@ class CounterRotor:
 
     def _gears(self, mechanism: Mechanism) -> tuple[int, float] | None:
         """The body's hinge and the distance of the two axes, m, where two gears of constant centre distance mesh."""
-        model, carrier = mechanism.model, mechanism.body_id(self.at.body)
+        model, carrier = mechanism.model, mechanism.body_id(self.shaft.body)
         joint = meshing(model, mechanism.body_id(self.body), carrier)
-        if joint is None or self.ratio < 0 or self.gear_inertia:
+        if joint is None or self.at is None or self.ratio < 0 or self.gear_inertia:
             return None
         data = mujoco.MjData(model)
         data.qpos[:] = mechanism.reference
         mujoco.mj_kinematics(model, data)
-        shaft = data.xpos[carrier] + data.xmat[carrier].reshape(3, 3) @ np.array(self.at.at, dtype=float)
+        shaft = data.xpos[carrier] + data.xmat[carrier].reshape(3, 3) @ np.array(self.shaft.at, dtype=float)
         return joint, float(np.linalg.norm(np.cross(data.xaxis[joint], shaft - data.xanchor[joint])))
 
     def circle(self, mechanism: Mechanism) -> float | None:
@@ -141,7 +147,7 @@ class CounterRotor:
             return None
         held, normal = int(model.jnt_bodyid[gears[0]]), _normal(mechanism, self.body)
         x, y, z = model.jnt_pos[gears[0]].tolist()
-        centres = states.point(self.at)[0] - states.point(Point(model.body(held).name, (x, y, z)))[0]
+        centres = states.point(self.shaft)[0] - states.point(Point(model.body(held).name, (x, y, z)))[0]
         centres = centres - np.outer(centres @ normal, normal)
         torque = self.meshes(states, values)[0].torque
         return held, teeth(torque, radius, self.pressure_angle, centres, normal)
@@ -156,7 +162,7 @@ class CounterRotor:
             return self._affine((STORAGE,), np.ones((count, 1)), np.zeros((count, 1)))
         if goal in ("hold", "energy"):
             blocks = states.mechanism.driven_blocks if goal == "hold" else (Block("energy", "J"),)
-            column = np.asarray((states.weight_effort if goal == "hold" else states.weight_energy)(self.at, 1.0))
+            column = np.asarray((states.weight_effort if goal == "hold" else states.weight_energy)(self.shaft, 1.0))
             column = column if goal == "hold" else column[:, None]
             return self._affine(blocks, self._heft * column, self.mass * column)
         if goal == "force":
@@ -169,7 +175,7 @@ class CounterRotor:
             own = self.gear_inertia * gear[0][:, None] * normal
             return self._affine((MOMENT,), self._heft * column + turning, self.mass * column + own)
         if goal == "drive":
-            column = states.weight_effort(self.at, 1.0) + states.point_inertia(self.at, 1.0)
+            column = states.weight_effort(self.shaft, 1.0) + states.point_inertia(self.shaft, 1.0)
             turning = rotor[0][:, None] * rotor[1]
             own = self.gear_inertia * gear[0][:, None] * gear[1]
             return self._affine(states.mechanism.driven_blocks, self._heft * column + turning, self.mass * column + own)
@@ -186,14 +192,14 @@ class CounterRotor:
         return Affine.known(blocks, known + self.inertia * per_inertia)
 
     def _carried(self, states: States) -> Array:
-        if self.at.body == "world":
+        if self.shaft.body == "world":
             return np.zeros((len(states), 6))
-        return states.point_wrench(self.at, 1.0)
+        return states.point_wrench(self.shaft, 1.0)
 
     def _spin(self, states: States) -> tuple[Array, tuple[Array, Array], tuple[Array, Array]]:
         """Axis (3,); angular acceleration (N,) and slope (N, nd) of the rotor and of the body's own gear."""
         normal = _normal(states.mechanism, self.body)
-        body, carrier = (self._turn(states, name, normal) for name in (self.body, self.at.body))
+        body, carrier = (self._turn(states, name, normal) for name in (self.body, self.shaft.body))
         rotor = tuple((1.0 + self.ratio) * c - self.ratio * b for b, c in zip(body, carrier, strict=True))
         return normal, (rotor[0], rotor[1]), body
 
@@ -225,14 +231,14 @@ class CounterRotor:
         inertia, mass = self.found(values), self.own_mass(values)
         model = spec.compile()
         normal = _normal_of(model, self.body)
-        carrier = spec.worldbody if self.at.body == "world" else spec.body(self.at.body)
+        carrier = spec.worldbody if self.shaft.body == "world" else spec.body(self.shaft.body)
         for suffix, moment in (("", inertia), ("_gear", self.gear_inertia)):
             if moment <= 0:
                 continue
-            rotor = carrier.add_body(name=f"{self.name}{suffix}", pos=[float(v) for v in self.at.at])
+            rotor = carrier.add_body(name=f"{self.name}{suffix}", pos=[float(v) for v in self.shaft.at])
             data = mujoco.MjData(model)
             mujoco.mj_kinematics(model, data)
-            local = data.xmat[model.body(self.at.body).id].reshape(3, 3).T @ normal
+            local = data.xmat[model.body(self.shaft.body).id].reshape(3, 3).T @ normal
             rotor.mass = max(mass if not suffix else 0.0, 1e-9 * moment)
             rotor.ipos, rotor.explicitinertial = [0.0, 0.0, 0.0], True
             rotor.inertia, rotor.iquat = _about(moment, local)
@@ -242,7 +248,7 @@ class CounterRotor:
             tendon.wrap_joint(f"{self.name}{suffix}_joint", 1.0)
             factor = self.ratio if not suffix else -1.0
             weights = _chain(model, self.body, normal)
-            for joint, sign in _chain(model, self.at.body, normal).items():
+            for joint, sign in _chain(model, self.shaft.body, normal).items():
                 weights[joint] = weights.get(joint, 0.0) - sign
             for joint, sign in weights.items():
                 if sign:
@@ -251,8 +257,8 @@ class CounterRotor:
             equality.type, equality.objtype = mujoco.mjtEq.mjEQ_TENDON, mujoco.mjtObj.mjOBJ_TENDON
             equality.name1 = tendon.name
             equality.data = np.zeros_like(equality.data)
-        if mass and self.at.body != "world" and inertia <= 0:
-            add_point_mass(spec, f"{self.name}_mass", self.at.body, self.at.at, mass)
+        if mass and self.shaft.body != "world" and inertia <= 0:
+            add_point_mass(spec, f"{self.name}_mass", self.shaft.body, self.shaft.at, mass)
 
 
 def turning(mechanism: Mechanism, body: str) -> dict[str, float]:

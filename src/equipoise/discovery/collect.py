@@ -257,9 +257,7 @@ def _blocked(
 ) -> NDArray[np.bool_]:
     found = []
     for part in _parts(len(a)):
-        ends = (
-            Point(body, tuple(np.moveaxis(p[part][:, :, None], 1, 0))) for body, p in zip(pair, (a, b), strict=True)
-        )
+        ends = (Point.many(body, p[part]) for body, p in zip(pair, (a, b), strict=True))
         blocked = np.zeros(len(a[part]), dtype=bool)
         for _, room in rooms(states, Line(*ends), radius):
             blocked |= (room < gap).any(axis=-1)

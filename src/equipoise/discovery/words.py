@@ -97,6 +97,15 @@ def limited_words(front: Discovery, index: int) -> str:
     return limitwords.limit_words(dear[0].limit) if dear else "number and kind of the parts"
 
 
+def limits(front: Discovery, index: int) -> list[str]:
+    """What holds one design's value where it is: the floor that it reaches, else at most three limits, the dearest."""
+    value = front.values[index]
+    reached = [bound for bound in front.bounds if NOTHING * front.before < value <= bound.value * CLOSE]
+    return [f"the floor at {bound_words(bound)}" for bound in reached] or limitwords.limited_by(front.designs[index])[
+        :3
+    ]
+
+
 def told(front: Discovery) -> list[tuple[str, str]]:
     """The target and the floors, each with its label."""
     lines = []
@@ -147,7 +156,7 @@ def _design(front: Discovery, index: int) -> list[str]:
     )  # fmt: skip
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
         lines += part_lines(part, balancer, design)
-    for words in limitwords.limited_by(design)[:3]:
+    for words in limits(front, index):
         lines += labelled("limited by", words)
     for words in clash_words(front.clashes[index]) if front.clashes else ():
         lines += labelled("clashes", words)

@@ -24,7 +24,7 @@ def passed(states: States, ends: tuple[str, str], a: Array, b: Array) -> dict[st
     Seen along the axis, the two ends stand at an angle of nearly +180 deg at one pose and nearly -180 deg at another:
     the line has gone over the axis between its ends.
     """
-    points = [Point(body, tuple(np.moveaxis(p[:, :, None], 1, 0))) for body, p in zip(ends, (a, b), strict=True)]
+    points = [Point.many(body, p) for body, p in zip(ends, (a, b), strict=True)]
     found = {}
     for joint, axis, u, v in _seen(states, Line(*points)):
         angle = np.arctan2((np.cross(u, v) * axis).sum(-1), (u * v).sum(-1))

@@ -61,15 +61,23 @@ def _drift(item: Equality, pose: Pose, velocity: Array, cdof_dot: Array) -> Arra
         turn = 0.5 * item.scale * quat_product(quat_product(back, spin), one)[:, 1:]
         return np.concatenate([_drift(item.point, pose, velocity, cdof_dot), turn], axis=1)
     if isinstance(item, Couple):
-        return _couple_drift(item, pose, velocity)
+        return _couple_drift(item, pose, velocity, cdof_dot)
     assert isinstance(item, Connect)
-    ends = []
-    for body, place in zip(item.bodies, item.points(pose), strict=True):
-        twist, rate = _twist(item.model, body, pose, velocity, cdof_dot)
-        arm = place - pose.com[:, body]
-        point = twist[:, 3:] + cross(twist[:, :3], arm)
-        ends.append(rate[:, 3:] + cross(rate[:, :3], arm) + cross(twist[:, :3], point))
+    ends = [
+        _point_drift(item.model, body, place, pose, velocity, cdof_dot)[1]
+        for body, place in zip(item.bodies, item.points(pose), strict=True)
+    ]
     return ends[0] - ends[1]
+
+
+def _point_drift(
+    model: mujoco.MjModel, body: int, place: Array, pose: Pose, velocity: Array, cdof_dot: Array
+) -> tuple[Array, Array]:
+    """Velocity (N, 3) of a body's point at place (N, 3), and its acceleration where no joint accelerates."""
+    twist, rate = _twist(model, body, pose, velocity, cdof_dot)
+    arm = place - pose.com[:, body]
+    point = twist[:, 3:] + cross(twist[:, :3], arm)
+    return point, rate[:, 3:] + cross(rate[:, :3], arm) + cross(twist[:, :3], point)
 
 
 def _twist(model: mujoco.MjModel, body: int, pose: Pose, velocity: Array, cdof_dot: Array) -> tuple[Array, Array]:
@@ -79,20 +87,55 @@ def _twist(model: mujoco.MjModel, body: int, pose: Pose, velocity: Array, cdof_d
     return (pose.cdof[:, dofs] * speed).sum(axis=1), (cdof_dot[:, dofs] * speed).sum(axis=1)
 
 
-def _couple_drift(item: Couple, pose: Pose, velocity: Array) -> Array:
-    if item.tendon:
-        for tendon in item.items:
-            if item.model.wrap_type[item.model.tendon_adr[tendon]] != mujoco.mjtWrap.mjWRAP_JOINT:
-                raise InputError(
-                    f"accelerations over the spatial tendon {item.model.tendon(tendon).name!r} are not available",
-                    hint="close the loop with a connect, weld or joint equality",
-                )
-    if len(item.items) < 2 or not item.coefficients[2:].any():
-        return np.zeros((len(pose.q), 1))
-    if item.tendon:
-        offset = pose.ten_length[:, item.items[1]] - item.references[1]
-        rate = (pose.ten_J[:, item.items[1]] * velocity).sum(axis=1)
-    else:
-        offset = pose.q[:, item.model.jnt_qposadr[item.items[1]]] - item.references[1]
-        rate = velocity[:, item.model.jnt_dofadr[item.items[1]]]
-    return -(np.polynomial.Polynomial(item.coefficients).deriv(2)(offset) * rate**2)[:, None]
+def _couple_drift(item: Couple, pose: Pose, velocity: Array, cdof_dot: Array) -> Array:
+    """y1'' - c'(d) y2'' - c''(d) y2'^2 (N, 1) of a coupling y1 = c(d), d = y2 - y2_0, where no joint accelerates."""
+    found = _item_drift(item, 0, pose, velocity, cdof_dot)
+    if len(item.items) == 2:
+        law = np.polynomial.Polynomial(item.coefficients)
+        if item.tendon:
+            offset = pose.ten_length[:, item.items[1]] - item.references[1]
+            rate = (pose.ten_J[:, item.items[1]] * velocity).sum(axis=1)
+        else:
+            offset = pose.q[:, item.model.jnt_qposadr[item.items[1]]] - item.references[1]
+            rate = velocity[:, item.model.jnt_dofadr[item.items[1]]]
+        found = found - law.deriv()(offset) * _item_drift(item, 1, pose, velocity, cdof_dot)
+        found = found - law.deriv(2)(offset) * rate**2
+    return found[:, None]
+
+
+def _item_drift(item: Couple, which: int, pose: Pose, velocity: Array, cdof_dot: Array) -> Array:
+    """The second derivative (N,) of a joint's position or a tendon's length where no joint accelerates.
+
+    Of a straight run with ends p, q and d = p - q: (d . d'' + d' . d' - (d . d')^2 / d . d) / |d|, over the divisor
+    of its pulley; joints, and tendons over joints, have none.
+    """
+    none = np.zeros(len(pose.q))
+    if not item.tendon:
+        return none
+    model, tendon = item.model, item.items[which]
+    kinds, wraps = mujoco.mjtWrap, range(model.tendon_adr[tendon], model.tendon_adr[tendon] + model.tendon_num[tendon])
+    total, divisor, last = none, 1.0, None
+    for wrap in wraps:
+        kind = model.wrap_type[wrap]
+        if kind == kinds.mjWRAP_JOINT:
+            return none
+        if kind == kinds.mjWRAP_PULLEY:
+            divisor, last = float(model.wrap_prm[wrap]), None
+            continue
+        if kind != kinds.mjWRAP_SITE:
+            raise InputError(
+                f"accelerations over the tendon {model.tendon(tendon).name!r}, which wraps around a body, are not "
+                "available",
+                hint="close the loop with a connect, weld or joint equality, or a tendon through sites",
+            )
+        site = int(model.wrap_objid[wrap])
+        body = int(model.site_bodyid[site])
+        place = pose.point(body, model.site_pos[site])
+        here = (place, *_point_drift(model, body, place, pose, velocity, cdof_dot))
+        if last is not None:
+            run, speed, change = (there - before for there, before in zip(here, last, strict=True))
+            square = (run**2).sum(axis=1)
+            along = (run * change).sum(axis=1) + (speed**2).sum(axis=1) - (run * speed).sum(axis=1) ** 2 / square
+            total = total + along / np.sqrt(square) / divisor
+        last = here
+    return total

@@ -101,7 +101,7 @@ def rod_inertial(mass: Any, length: float, com: Any, inertia: Any, where: str) -
     if isinstance(inertia, Sequence | np.ndarray) and not isinstance(inertia, str):
         axes = vector(inertia, 3, "inertia", where)
     else:
-        about = mass * length**2 / 12.0 if inertia is None else number(inertia, "inertia", where)
+        about = mass * length**2 / 12.0 if inertia is None else not_negative(inertia, "inertia", "kg m^2", where)
         axes = (SLENDER * about, about, about)
     for axis, value in zip("xyz", axes, strict=True):
         not_negative(value, f"inertia about {axis}", "kg m^2", where)

@@ -23,7 +23,8 @@ COLUMNS = (
     Column(
         "part", "text",
         ("part", "part number", "part no", "partno", "part #", "p/n", "pn", "sku", "article", "article no",
-         "article number", "artikel", "artikelnummer", "artikel nr", "bestellnummer", "bestell nr", "order code",
+         "article number", "artikel", "artikelnummer", "artikel nr", "artikelnr",
+         "bestellnummer", "bestell nr", "bestellnr", "order code",
          "order number", "order no", "stock number", "stock no", "stock #", "catalog number", "catalogue number",
          "catalog no", "item", "item number", "number", "no", "nr", "reference", "ref", "code", "lee stock number"),
     ),

@@ -78,7 +78,7 @@ class Makeable:
         wire = {f"{name}.law.wire": (low, high)} if high > low else {}
         return {**wire, f"{name}.law.index": (float(self.index[0]), float(self.index[1]))}
 
-    def start(self, option: Any, room: float | None = None) -> WindableSpring:
+    def start(self, option: Indices, room: float | None = None) -> WindableSpring:
         """An option as a spring still to be wound."""
         place = int(np.ravel(option)[0])
         wire, index, _ = self.options.columns
@@ -111,7 +111,7 @@ class Makeable:
         """
         return self._over(self._least, (short, long), np.minimum, np.inf)
 
-    def most_straight(self, short: Array, long: Array, free: Array) -> tuple[Array, Array]:
+    def most_straight(self, short: Array, long: Array, free: Array) -> tuple[Array, Indices]:
         """The stiffest springs hooked on straight, with the free length (C,): their rate (C,), N/m, and the option."""
 
         def force(short: Array, long: Array, free: Array) -> Array:
@@ -132,7 +132,7 @@ class Makeable:
 
         return self._over(reach, (stroke, room), np.maximum, -np.inf)
 
-    def most_behind(self, stroke: Array, room: Array, extension: Array) -> tuple[Array, Array]:
+    def most_behind(self, stroke: Array, room: Array, extension: Array) -> tuple[Array, Indices]:
         """The stiffest springs behind a cable at extensions of up to (C,), m: their rate (C,), N/m, and the option."""
 
         def force(stroke: Array, room: Array, extension: Array) -> Array:
@@ -160,8 +160,8 @@ class Makeable:
         found = [pick.reduce(value(*part), axis=-1, initial=none) for part in self._parts(numbers)]
         return np.concatenate(found) if found else np.zeros(0)
 
-    def _best(self, value: Any, numbers: tuple[Array, ...]) -> tuple[Array, Array]:
-        best, which = [np.zeros(0)], [np.zeros(0, dtype=int)]
+    def _best(self, value: Any, numbers: tuple[Array, ...]) -> tuple[Array, Indices]:
+        best, which = [np.zeros(0)], [np.zeros(0, dtype=np.intp)]
         for part in self._parts(numbers):
             found = value(*part)
             which.append(found.argmax(axis=-1))

@@ -95,12 +95,15 @@ class Ledger:
     def load(self) -> list[Line]:
         """The lines of an earlier run of the same survey; none where there is no file.
 
-        Raises InputError where the file belongs to another survey.
+        Raises InputError where the file belongs to another survey, or has a row that no survey wrote.
         """
         if not self.path.exists():
             return []
-        text = self.path.read_text(encoding="utf-8")
-        kept = text[: text.rfind("\n") + 1].splitlines()
+        try:
+            text = self.path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError):
+            text = ""
+        *kept, _ = text.split("\n")
         if not kept or kept[0] != self._head[0]:
             raise InputError(
                 "this file belongs to another survey",
@@ -108,20 +111,37 @@ class Ledger:
                 hint="the problem or the catalogue has changed: choose another --out, or remove the file",
             )
         self.path.write_text("".join(f"{line}\n" for line in kept), encoding="utf-8")
-        return [_read(row) for row in csv.reader(kept[2:]) if len(row) == self._width]
+        return [self._line(number, row) for number, row in enumerate(csv.reader(kept[2:]), 3)]
+
+    def _line(self, number: int, row: Sequence[str]) -> Line:
+        try:
+            if len(row) != self._width:
+                raise ValueError
+            return _read(row)
+        except ValueError:
+            raise InputError(
+                "this row is not as it was written",
+                where=f"{self.path}, row {number}",
+                hint="remove the row, and its candidate is worked on again",
+            ) from None
 
     def append(self, lines: Sequence[Line]) -> None:
         """Write lines at the end, so that they are on disk when this returns."""
-        fresh = not self.path.exists()
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("a", encoding="utf-8", newline="") as stream:
-            if fresh:
-                stream.write("".join(f"{line}\n" for line in self._head))
-            csv.writer(stream, lineterminator="\n").writerows(cells(line) for line in lines)
-            stream.flush()
+        try:
+            fresh = not self.path.exists()
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with self.path.open("a", encoding="utf-8", newline="") as stream:
+                if fresh:
+                    stream.write("".join(f"{line}\n" for line in self._head))
+                csv.writer(stream, lineterminator="\n").writerows(cells(line) for line in lines)
+                stream.flush()
+        except OSError as error:
+            said = f"cannot write: {error.strerror or error}"
+            raise InputError(said, where=str(self.path), hint="choose another --out") from None
 
 
 def _read(row: Sequence[str]) -> Line:
+    """A line from its cells; raises ValueError where they are none of a line's."""
     part, number, value, peak, rms, mean, refused, excess, *geometry = row
     return Line(
         part, int(number), float(value), float(peak), float(rms), float(mean), tuple(map(float, geometry)), refused,

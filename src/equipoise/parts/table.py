@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -14,9 +13,13 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.errors import InputError, nearest
+from equipoise.parts.csvfile import rows_of, text_of
 from equipoise.parts.headers import FACTORS, IMPERIAL, KINDS, SYSTEMS, recognise, unit_of
 
-MAX_BYTES = 64 * 1024 * 1024
+LEAST, MOST = 1e-12, 1e12
+"""Between them, in SI, lie all numbers of springs that are not zero."""
+SHOWN = 40
+"""Letters of a cell that a message quotes."""
 NEEDED = ("part", "rate", "free_length")
 LIMITS = ("longest", "force", "travel", "solid", "wire")
 _CELL = re.compile(r"\s*([-+]?[\d.,]+(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
@@ -57,23 +60,16 @@ def more(bad: Sequence[int] | np.ndarray) -> str:
 def read_table(path: Path, columns: dict[str, str], system: str | None) -> Table:
     """Cells, columns and units of a file; raises InputError for what is no table of springs."""
     name = str(path)
-    try:
-        if path.stat().st_size > MAX_BYTES:
-            raise InputError("the file is larger than 64 MB", where=name)
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
-    except OSError as error:
-        said = f"the catalogue cannot be read: {error.strerror or error}"
-        raise InputError(said, where=name, hint="paths in a problem file count from the file") from None
-    if "\0" in text:
-        raise InputError("this is no text file", where=name, hint="save the table as CSV")
+    text = text_of(path, name)
     kept = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
     if not kept:
         raise InputError("the catalogue is empty", where=name, hint="its first line names the columns")
     delimiter = max(";\t,|", key=lambda mark: (kept[0][1].count(mark), mark == ","))
-    parsed = list(csv.reader([line for _, line in kept], delimiter=delimiter))
+    numbered = rows_of(kept, delimiter, name)
+    starts, parsed = [number for number, _ in numbered], [cells for _, cells in numbered]
     header = tuple(cell.strip() for cell in parsed[0])
     place, units = _columns(name, header, columns)
-    body, lines = parsed[1:], [number for number, _ in kept[1:]]
+    body, lines = parsed[1:], starts[1:]
     if body and _is_units(body[0], place):
         units |= {
             key: unit for key, i in place.items() if i < len(body[0]) and (unit := unit_of(body[0][i], KINDS[key]))
@@ -87,9 +83,14 @@ def read_table(path: Path, columns: dict[str, str], system: str | None) -> Table
                 f"{len(cells)} cells under {len(header)} headers", where=f"{name}, row {line}", hint="quote commas"
             )
     filled = tuple(tuple(cell.strip() for cell in (*cells, *[""] * (len(header) - len(cells)))) for cells in body)
-    comma = delimiter != "," and not any("." in cells[i] for cells in filled for i in _number_places(place))
+    comma = delimiter != "," and _decimal_comma([cells[i] for cells in filled for i in _number_places(place)])
     table = Table(name, header, place, units, tuple(lines), filled, comma)
     return _with_units(table, system)
+
+
+def _decimal_comma(cells: Sequence[str]) -> bool:
+    """Whether numbers have decimal commas: none has a point, or points stand before the comma, as in 1.234,5."""
+    return any(re.search(r"\d\.\d{3},\d", cell) for cell in cells) or not any("." in cell for cell in cells)
 
 
 def _number_places(place: Mapping[str, int]) -> list[int]:
@@ -189,21 +190,45 @@ def numbers_of(table: Table, key: str) -> Array:
         match = _CELL.fullmatch(cell)
         number = _number(match.group(1), table.comma) if match else None
         if match is None or number is None:
-            table.refuse(f"{cell!r} is not a number", row, key)
+            table.refuse(f"{_short(cell)} is not a number", row, key, _hint(cell, table.comma))
         if match.group(2):
             said = unit_of(match.group(2), kind)
             if said is None:
-                table.refuse(f"{match.group(2)!r} is no unit of a {kind}", row, key)
+                table.refuse(f"{_short(match.group(2))} is no unit of a {kind}", row, key)
             if said != unit:
-                table.refuse(f"mixed units: {cell!r} in a column in {unit}", row, key, "write one column in one unit")
+                table.refuse(
+                    f"mixed units: {_short(cell)} in a column in {unit}", row, key, "write one column in one unit"
+                )
         found[row] = number * FACTORS[unit]
+        if not LEAST < abs(found[row]) < MOST and number:
+            table.refuse(f"{_short(cell)} is beyond all springs", row, key, "check the number and its unit")
     return found
 
 
+def _short(cell: str) -> str:
+    """A cell as messages quote it."""
+    return repr(cell if len(cell) <= SHOWN else f"{cell[:SHOWN]}...")
+
+
+def _hint(cell: str, comma: bool) -> str:
+    if cell.startswith("="):
+        return "this is a formula: save the table with its values"
+    if re.search(r"\d[.,]\d", cell):
+        said = "commas are read as decimal and points as thousands" if comma else "points are read as decimal"
+        return (
+            f"{said}: write all numbers of a file in one way, and columns apart by semicolons where commas are decimal"
+        )
+    return ""
+
+
 def _number(text: str, comma: bool) -> float | None:
-    plain = text.replace(".", "").replace(",", ".") if comma else text.replace(",", "")
+    """A number whose groups of thousands, if it has any, are whole; None for what reads in no one way."""
+    group, point = (".", ",") if comma else (",", ".")
+    pattern = rf"[-+]?(\d{{1,3}}(\{group}\d{{3}})+|\d*)(\{point}\d*)?([eE][-+]?\d+)?"
+    if not re.fullmatch(pattern, text, re.ASCII):
+        return None
     try:
-        value = float(plain)
+        value = float(text.replace(group, "").replace(point, "."))
     except ValueError:
         return None
     return value if math.isfinite(value) else None

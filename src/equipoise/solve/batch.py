@@ -88,10 +88,11 @@ def fit(many: Many, lower: Array, upper: Array, gamma: Array, theta: Array, load
 
     lower, upper (G + P,); gamma (C, G) and theta (C, P) are where each begins; load makes residuals relative. Every
     step solves a small elastic quadratic program in a trust region. Its slopes are differences, three times as fast as
-    exact ones, for every step is judged by its true residual; its curvature is Gauss-Newton's plus what the slopes
-    were seen to change by (the structured secant update of Dennis, Gay and Welsch, unsourced). Where curvature spoils a
-    step, the model is bent by what it missed and solved again. Candidates are independent: the answer of one does not
-    depend on the others. A few steps tell good beginnings from bad ones.
+    exact ones, for every step is judged by its true residual; its curvature is Gauss-Newton's plus what the slopes of
+    residuals, and of limits times their multipliers, were seen to change by (the structured secant update of Dennis,
+    Gay and Welsch, unsourced). Where curvature spoils a step, the model is bent by what it missed and solved again.
+    Limits have a price, which rises where one is still passed when nothing moves any more. Candidates are independent:
+    the answer of one does not depend on the others. A few steps tell good beginnings from bad ones.
     """
     count, free = gamma.shape
     x = np.clip(np.hstack([gamma, theta]), lower, upper)
@@ -181,8 +182,8 @@ def _step(
     passing = np.flatnonzero(~least | (np.einsum("kiv,kv->ki", A, move) + excess > 0).any(axis=1))
     if len(passing):
         low, high = (end[passing] for end in reach)
-        parts = (part[passing] for part in (positive, gradient, A, np.maximum(excess, -FAR)))
-        move[passing], pushed = elastic(*parts, low, high, price[passing] / 2)
+        limits = A[passing], np.maximum(excess[passing], -FAR)
+        move[passing], pushed = elastic(positive[passing], gradient[passing], *limits, low, high, price[passing] / 2)
         dual[passing[:, None], near[passing]] = pushed
     after = np.einsum("kiv,kv->ki", A, move) + excess
     model = np.einsum("kv,kvw,kw->k", move, positive, move) + 2 * (gradient * move).sum(-1)

@@ -151,7 +151,7 @@ def _path(path: Any, states: States, columns: Indices, G: int) -> tuple[Jet, lis
 def _point(point: Point, states: States, columns: Indices, G: int) -> tuple[list[Jet], list[list[Jet]]]:
     """World position (3) and Jacobian (3, R) of a point whose coordinates may be jets: affine in them."""
     place, slope = states.point(Point(point.body))
-    units = [states.point(Point(point.body, tuple(float(i == k) for i in range(3)))) for k in range(3)]  # type: ignore[arg-type]
+    units = [states.point(Point.of(point.body, row)) for row in np.eye(3).tolist()]
     slope = _wide(slope, states)
     turned = [(u[0] - place, _wide(u[1], states) - slope) for u in units]
 

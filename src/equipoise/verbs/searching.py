@@ -56,7 +56,7 @@ class Search:
         for form in dict.fromkeys(self.work.catalogue.form):
             same = np.flatnonzero(np.array(self.work.catalogue.form) == form)
             rows = same[np.unique(np.linspace(0, len(same) - 1, SCOUTS).astype(int))]
-            number = 1.0 + np.arange(len(rows)) % self.work.parallel
+            number = np.asarray(1 + np.arange(len(rows)) % self.work.parallel, dtype=float)
             starts = _best(self.work.even, self.work.scores(self.work.even, rows, number), WAYS, 0.2, self.work.bounds)
             found = self._descended(rows, number, starts)[1]
             ends.append(found.gamma[found.excess <= NEARLY])

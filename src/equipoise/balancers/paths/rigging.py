@@ -82,7 +82,7 @@ def _guide(spec: mujoco.MjSpec, name: str, through: Items, number: int, cable: T
         assert node.normal is not None
         middle = 0.5 * reach * along - radius * np.cross(node.normal[0], along)
         local = turned[0].T @ middle + np.asarray(one.at, dtype=float)
-        return str(bodies.add_site(spec, Point(one.body, tuple(local)), f"{name}_guide_{number}").name)
+        return str(bodies.add_site(spec, Point.of(one.body, local), f"{name}_guide_{number}").name)
     facing = float(
         np.sign(states.rotation(one.body)[0][0] @ one.axis @ (states.rotation(other.body)[0][0] @ other.axis))
     )
@@ -173,7 +173,7 @@ def _over(spec: mujoco.MjSpec, tendon: Any, name: str, pulley: Pulley, bend: Ben
 
     def site(angle: float, radii: float, word: str) -> str:
         at = np.asarray(pulley.at, dtype=float) + radii * float(pulley.radius) * bend.at(angle)
-        return str(bodies.add_site(spec, Point(pulley.body, tuple(at)), f"{name}_{word}").name)
+        return str(bodies.add_site(spec, Point.of(pulley.body, at), f"{name}_{word}").name)
 
     if longest <= LONG:
         tendon.wrap_geom(geom.name, site(0.0, BESIDE, "side"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,10 +136,7 @@ class CableSprings(LineKind):
         """Signed angle (N, C) by which the cable turns at the guide, counter-clockwise about the normal."""
         states, (one, other) = scene.states, lines.bodies
         turn = states.rotation(one)[0]
-        ends = [
-            states.point(Point(body, tuple(np.moveaxis(p[:, :, None], 1, 0))))[0]
-            for body, p in ((one, lines.a), (other, lines.b))
-        ]
+        ends = [states.point(Point.many(body, p))[0] for body, p in ((one, lines.a), (other, lines.b))]
         onwards = np.einsum("nij,cni->cnj", turn, ends[1] - ends[0])
         inwards = -self.along(group, lines.a)[1][:, None, :]
         sine = (np.cross(inwards, onwards) * normal).sum(-1)
@@ -210,13 +208,13 @@ class CableSprings(LineKind):
         run, way, inside, start = room
         free = inside / (1 + self.elongation)
         one, other = lines.bodies
-        guide, hook = ([float(v) for v in p[at]] for p in (lines.a, lines.b))
-        anchor = Point(one, tuple((lines.a[at] + run * way).tolist()))
-        options = {} if flat is None else {"axis": tuple(flat[0].tolist())}
-        pulley = Pulley(one, tuple(guide), self.radius, "left" if side > 0 else "right", **options)  # type: ignore[arg-type]
+        guide, hook = Point.of(one, lines.a[at].tolist()), Point.of(other, lines.b[at].tolist())
+        anchor = Point.of(one, (lines.a[at] + run * way).tolist())
+        options: dict[str, Any] = {} if flat is None else {"axis": tuple(flat[0].tolist())}
+        pulley = Pulley(one, guide.at, self.radius, "left" if side > 0 else "right", **options)
         # l - L0 = ratio (d - start) for the free length that the room leaves.
         offset = free - self.ratio * (run + start)
-        path = Cable((anchor, pulley, Point(other, tuple(hook))), self.ratio, offset)  # type: ignore[arg-type]
+        path = Cable((anchor, pulley, hook), self.ratio, offset)
         moving: dict[str, tuple[float, float]] = {}
         for number, spots, across in ((1, lines.pair[0], np.abs(way) < STRAIGHT), (2, lines.pair[1], np.full(3, True))):
             for axis, (low, high), may in zip("xyz", spots.box, across, strict=True):

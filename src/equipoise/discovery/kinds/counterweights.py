@@ -40,14 +40,13 @@ class Counterweights(Kind):
 
     def _batch(self, scene: Scene, spots: Spots, places: np.ndarray) -> Batch:
         corners = np.vstack([np.zeros(3), np.eye(3)])
-        point = Point(spots.body, tuple(np.moveaxis(corners[:, :, None], 1, 0)))
+        point = Point.many(spots.body, corners)
         values = scene.counted(scene.states.weight_effort(point, 1.0)).T
         generators = np.hstack([values[:, 1:] - values[:, :1], values[:, :1]])
         coefficients = np.vstack([places.T, np.ones(len(places))])
 
         def propose(index: int, name: str) -> Proposal:
-            at = tuple(float(v) for v in places[index])
-            weight = Counterweight(name, Point(spots.body, at))  # type: ignore[arg-type]
+            weight = Counterweight(name, Point.of(spots.body, places[index].tolist()))
             free = {
                 f"{name}.at.{axis}": (float(lo), float(hi)) for axis, (lo, hi) in zip("xyz", spots.box, strict=True)
             }

@@ -48,7 +48,7 @@ class Scene:
     def weights(self, body: str) -> Array:
         """Counted efforts (rows, 4) of a mass of 1 kg at (1, x, y, z) of a body, m: at its origin, and per metre."""
         corners = np.vstack([np.zeros(3), np.eye(3)])
-        there = self.states.weight_effort(Point(body, tuple(corners.T[:, :, None])), 1.0)
+        there = self.states.weight_effort(Point.many(body, corners), 1.0)
         found = self.counted(np.broadcast_to(there, (4, *there.shape[-2:])))
         return np.vstack([found[:1], found[1:] - found[0]]).T
 

@@ -111,8 +111,8 @@ class Lines:
 
     def at(self, index: int) -> Line:
         """One couple as a line."""
-        ends = (tuple(float(v) for v in points[index]) for points in (self.a, self.b))
-        return Line(*(Point(body, end) for body, end in zip(self.bodies, ends, strict=True)))  # type: ignore[arg-type]
+        one, other = self.bodies
+        return Line(Point.of(one, self.a[index].tolist()), Point.of(other, self.b[index].tolist()))
 
     def free(self, name: str) -> dict[str, tuple[float, float]]:
         """Bounds of the coordinates that may move, by parameter."""
