@@ -6,13 +6,14 @@ import json
 import math
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import equipoise as eq
 from equipoise.certificate import Active
-from equipoise.reporting import limitwords, numbers, phrases, words
+from equipoise.reporting import layout, limitwords, numbers, phrases, words
 from equipoise.reporting.html import page
 from equipoise.reporting.jsonfile import strict
 from equipoise.reporting.maps import draw_map
@@ -232,3 +233,16 @@ def test_ur10_reads_as_the_design_document_shows(tmp_path):
     shown = eq.report(design, tmp_path).read_text(encoding="utf-8")
     assert "falls from 121.0 to 34.23 N m, 28.3 %" in shown
     assert (tmp_path / "ur10_balanced.xml").is_file()
+
+
+def test_prose_fills_the_terminal_and_numbers_keep_their_units(monkeypatch):
+    text = "a spring pulls 12.5 N at 380 mm " * 8
+    assert max(map(len, layout.wrapped(text))) <= 110
+    monkeypatch.setenv("COLUMNS", "72")
+    monkeypatch.setattr("sys.stderr", SimpleNamespace(isatty=lambda: True))
+    lines = layout.labelled("force", text)
+    assert max(map(len, lines)) <= 72
+    assert not any(line.endswith(("12.5", "380")) for line in lines)
+    assert all(line.startswith(" " * layout.LABEL) for line in lines[1:])
+    monkeypatch.setenv("COLUMNS", "20")
+    assert layout.width() == layout.NARROWEST

@@ -197,3 +197,30 @@ def test_only_what_has_a_band_is_judged_by_it():
     spring = eq.Spring("s", parts()[0].path, eq.ZeroFreeLength())
     with pytest.raises(eq.InputError, match="first aim"):
         eq.balance(mechanism, [spring], sweep(mechanism), objective=(eq.Aim(), judged("peak")))
+
+
+K, H, A, M = 2 * 9.81 * 0.3 / (0.2 * 0.1), 0.2, 0.1, 2 * 9.81 * 0.3
+Q = np.linspace(-1.2, 1.2, 41)
+LENGTH = np.sqrt(H**2 + A**2 - 2 * H * A * np.sin(Q))
+BY_HAND = {
+    "mass": (0.02, 0.01 * M * np.cos(Q)),
+    "rate": (0.05, 0.025 * M * np.cos(Q)),
+    "rest_length": (1e-3, 0.5e-3 * K * H * A * np.cos(Q) / LENGTH),
+    "tilt": (np.radians(0.5), np.radians(0.25) * M * np.sin(Q)),
+}
+
+
+@pytest.mark.parametrize("norm", ["peak", "rms"])
+@pytest.mark.parametrize("source", BY_HAND)
+def test_quantiles_of_one_source_by_hand(source, norm):
+    """A balanced arm whose residual is the error alone: its norm is that of a half-normal times one deviation."""
+    rod = eq.chain([eq.Link("arm", length=0.5, mass=2.0, com=0.3)])
+    over = eq.Sweep.grid(rod, {"arm_joint": (-1.2, 1.2, 41)})
+    spring = eq.Spring("s", eq.Line(eq.Point("world", (0, 0, H)), eq.Point("arm", (A, 0, 0))), eq.ZeroFreeLength())
+    design = eq.balance(rod, [spring], over, norm=norm)
+    assert design.values["s.k"] == pytest.approx(K, rel=1e-9)
+    tolerance, one = BY_HAND[source]
+    band = eq.tolerance(design, eq.Scatter(**NOTHING | {source: tolerance}), samples=100_000).band
+    size = np.abs(one).max() if norm == "peak" else np.sqrt((one**2).mean())
+    wanted = [NormalDist().inv_cdf((1 + level) / 2) * size for level in (0.05, 0.5, 0.95)]
+    assert [band.low, band.median, band.high] == pytest.approx(wanted, rel=0.04)

@@ -163,11 +163,13 @@ def designed(file: str) -> tuple[Design, Problem, bool] | None:
     target = _target(file)
     if target.bare or target.design is not None or target.problem.content.discover is None:
         return None
-    from equipoise.discovery.ask import design_problem
+    from equipoise.discovery.ask import design_problem, for_parts
 
     front, stopped = discovered(target.problem)
     say(str(front))
     design = front.designs[front.recommended]
+    if target.problem.content.pick is not None:
+        design = for_parts(design)
     return design, design_problem(design, target.problem), stopped
 
 

@@ -79,12 +79,12 @@ def design(file: File, json: Json = False, out: Out = None, seed: Seed = None, s
     chosen = designed(file)
     if chosen is not None:
         found, problem, stopped = chosen
-        return reported(found, problem, json, out or default_out(problem), stopped)
-    problem = solvable_problem(file, "design")
-    if problem.cases:
-        cases, stopped = served(problem, seed, starts)
-        return cases_reported(cases, problem, json, out or default_out(problem), stopped)
-    found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
+    else:
+        problem = solvable_problem(file, "design")
+        if problem.cases:
+            cases, stopped = served(problem, seed, starts)
+            return cases_reported(cases, problem, json, out or default_out(problem), stopped)
+        found, stopped = shaped(problem, seed, starts) if problem.bounds else (balanced(problem), False)
     out = out or default_out(problem)
     if problem.content.pick is not None and not stopped:
         return with_parts(found, problem, problem.content.pick, json, out, seed)

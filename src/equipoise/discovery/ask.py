@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -11,6 +12,7 @@ import numpy as np
 from equipoise.design import Design
 from equipoise.discovery.plain import plain_problem
 from equipoise.errors import InputError
+from equipoise.limits import Elongation, Extension
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism
 from equipoise.problem import Problem, problem_of
@@ -91,6 +93,11 @@ def tip(mechanism: Mechanism) -> str:
         key=lambda body: (not slid[body], len(ancestors(model, body)), round(float(reach[body]), 9), -body),
     )
     return str(model.body(best).name)
+
+
+def for_parts(design: Design) -> Design:
+    """The design without the limits that stand for what a part says itself: how far a coil may be stretched."""
+    return replace(design, limits=tuple(one for one in design.limits if not isinstance(one, Elongation | Extension)))
 
 
 def design_problem(design: Design, problem: Problem) -> Problem:

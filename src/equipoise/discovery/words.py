@@ -7,6 +7,7 @@ from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.front import Alternative, Bound, Discovery
 from equipoise.interference.findings import clash_words
+from equipoise.parts import Part
 from equipoise.reporting import limitwords, phrases
 from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
 from equipoise.reporting.numbers import percent, plain, quantity, shown, sig
@@ -96,6 +97,15 @@ def limited_words(front: Discovery, index: int) -> str:
     return limitwords.limit_words(dear[0].limit) if dear else "number and kind of the parts"
 
 
+def limits(front: Discovery, index: int) -> list[str]:
+    """What holds one design's value where it is: the floor that it reaches, else at most three limits, the dearest."""
+    value = front.values[index]
+    reached = [bound for bound in front.bounds if NOTHING * front.before < value <= bound.value * CLOSE]
+    return [f"the floor at {bound_words(bound)}" for bound in reached] or limitwords.limited_by(front.designs[index])[
+        :3
+    ]
+
+
 def told(front: Discovery) -> list[tuple[str, str]]:
     """The target and the floors, each with its label."""
     lines = []
@@ -146,7 +156,7 @@ def _design(front: Discovery, index: int) -> list[str]:
     )  # fmt: skip
     for part, balancer in zip(design.parts(), design.balancers, strict=True):
         lines += part_lines(part, balancer, design)
-    for words in limitwords.limited_by(design)[:3]:
+    for words in limits(front, index):
         lines += labelled("limited by", words)
     for words in clash_words(front.clashes[index]) if front.clashes else ():
         lines += labelled("clashes", words)
@@ -179,7 +189,8 @@ def next_steps(front: Discovery) -> list[str]:
     if any(isinstance(spring.law, ZeroFreeLength) for spring in springs):
         steps.append("a spring of zero free length is a coil with a cable over a guide: `kinds: [cable]` lays them out")
     folder = f"DIR/{front.folder(best)}/design.json"
-    if any(spring.path.unit == "m" for spring in springs):
+    if any(spring.path.unit == "m" and not isinstance(spring.law, Part) for spring in springs):
+        steps.append("`--make SH` looks for springs that can be wound from the start, their own masses counted")
         steps.append(f"`--out DIR` writes the designs; `equipoise pick {folder}` finds parts one can buy or wind")
     else:
         steps.append(f"`--out DIR` writes the designs; `equipoise report {folder}` draws one")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from equipoise.limits.limit import Setting
 from equipoise.mechanism import Mechanism, Point
 from equipoise.solve.program import Rows
 from equipoise.states import States
+
+if TYPE_CHECKING:
+    from equipoise.discovery.ground import Ground
 
 
 @dataclass(frozen=True)
@@ -89,8 +93,13 @@ def _group(mechanism: Mechanism, point: Point) -> str:
 
 def _local(mechanism: Mechanism, point: Point) -> Array:
     """Places (C, 3) of a point in the frame of its rigid group."""
-    from equipoise.discovery.ground import Ground
-
     numbers = np.broadcast_arrays(*(np.atleast_1d(np.real(v)) for v in point.at))
     places = np.stack([part.reshape(len(part), -1)[:, 0] for part in numbers], axis=-1)
-    return Ground(mechanism, np.zeros(len(mechanism.driven)), ()).in_group(point.body, places)
+    return _ground(mechanism).in_group(point.body, places)
+
+
+@functools.lru_cache(maxsize=8)
+def _ground(mechanism: Mechanism) -> Ground:
+    from equipoise.discovery.ground import Ground
+
+    return Ground(mechanism, np.zeros(len(mechanism.driven)), ())

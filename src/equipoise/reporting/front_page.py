@@ -12,7 +12,7 @@ from equipoise.design import Design
 from equipoise.discovery import words
 from equipoise.discovery.front import Discovery
 from equipoise.interference.findings import clash_words
-from equipoise.reporting import limitwords, phrases, style, tables
+from equipoise.reporting import phrases, style, tables
 from equipoise.reporting.drawing import drawing
 from equipoise.reporting.friction import friction_words
 from equipoise.reporting.html import document
@@ -188,7 +188,7 @@ def _facts(front: Discovery, index: int) -> list[tuple[str, str]]:
     """What there is to say of a design in a sentence each."""
     design = front.designs[index]
     springs = [balancer for balancer in design.balancers if isinstance(balancer, Spring)]
-    facts = [("limited by", one) for one in limitwords.limited_by(design)[:3]]
+    facts = [("limited by", one) for one in words.limits(front, index)]
     facts.append(("certificate", phrases.certificate_words(design)))
     facts.append(("verified", phrases.verified_words(design)))
     facts += [(label or "adjusted", said) for label, said in tolerance_words(design)]

@@ -62,7 +62,7 @@ def draw(ax: Axes, sample: Sample, scene: Scene, view: View) -> None:
     for mass, place in scene.payloads:
         if mass > 0:
             ax.plot(*view.flat(place), "s", ms=8, color=style.INK, zorder=5)
-            _note(ax, view.flat(place), f"payload {plain(mass, 3)} kg", style.INK)
+            _note(ax, view.flat(place), solid, f"payload {plain(mass, 3)} kg", size)
 
 
 def part_colour(number: int) -> str:
@@ -160,9 +160,13 @@ def _weight(ax: Axes, place: Array, share: float, label: tuple[str, str]) -> Non
     )  # fmt: skip
 
 
-def _note(ax: Axes, place: Array, text: str, colour: str) -> None:
+def _note(ax: Axes, place: Array, solid: Array, text: str, size: float) -> None:
+    """A payload's label on the side of it where the links (solid) leave most room."""
+    sides = (0, -1, "center", "top"), (1, 0, "left", "center"), (-1, 0, "right", "center"), (0, 1, "center", "bottom")
+    room = [float(np.hypot(*(solid - place - REACH * size * np.array(side[:2])).T).min()) for side in sides]
+    x, y, across, upright = sides[int(np.argmax(room))]
     ax.annotate(
-        text, _pair(place), xytext=(0, -8), textcoords="offset points", color=colour, ha="center", va="top",
+        text, _pair(place), xytext=(9 * x, 9 * y), textcoords="offset points", color=style.INK, ha=across, va=upright,
         path_effects=style.halo(), zorder=7,
     )  # fmt: skip
 

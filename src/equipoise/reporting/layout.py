@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import sys
 import textwrap
 from collections.abc import Mapping, Sequence
 
@@ -17,7 +18,9 @@ GLUE = "\u00a0"
 
 
 def width() -> int:
-    """Columns to fill: the terminal's, where there is one, between 60 and 110."""
+    """Columns to fill: the terminal's, where prose goes to one, between 60 and 110."""
+    if not sys.stderr.isatty():
+        return WIDEST
     return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 24)).columns))
 
 

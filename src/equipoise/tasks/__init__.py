@@ -1,6 +1,8 @@
 """Tasks: one balancing question at one geometry, solved, certified and put into a design.
 
-Verbs pose tasks: `balance` one, `shape` one for every geometry it tries, `adjust` one for every case.
+Verbs pose tasks: `balance` one, `shape` one for every geometry it tries, `adjust` one for every case. A search frees
+geometry: `search` says what is free, `starts` descends from many places, `refine` holds the optimum between the
+samples, `lean` picks what stores least energy among equals, `optimum` tells the result; `family` joins cases.
 """
 
 from equipoise.tasks.between import between

@@ -7,6 +7,7 @@ from typing import Any
 
 from equipoise.affine import Geometry
 from equipoise.assemble import thrift
+from equipoise.errors import InfeasibleError
 from equipoise.objective import minimised
 from equipoise.parameters import candidates
 from equipoise.solve.exchange import solve
@@ -35,7 +36,10 @@ def spare(search: Search, best: Local, balanced: Balanced, load: float) -> tuple
         thrifty = _thrifty(search, best, value * (1 + SLACK / 2))
         if thrifty is None:
             break
-        found = attempt(search.at(thrifty.gamma))
+        try:
+            found = attempt(search.at(thrifty.gamma))
+        except InfeasibleError:
+            break
         if found.broken is None and found.solution.objective <= value * (1 + SLACK):
             return thrifty, found
         if not found.refined:
@@ -56,7 +60,10 @@ def relaxed(
         return search, best, balanced
     options: dict[str, Any] = {"precision": 0.1 * ALIKE * value / load, "iterations": BRIEF}
     back = descend(search.builder(states), search.freedoms, thrifty.gamma, load, radius=0.02, **options)
-    wider, back, found = refine(search, back, load, **options)
+    try:
+        wider, back, found = refine(search, back, load, **options)
+    except InfeasibleError:
+        return search, best, balanced
     as_good = back.excess <= 1e-6 and found.solution.objective <= value * (1 + ALIKE)
     spared = _stored(search, back, found) < _stored(search, best, balanced)
     return (wider, back, found) if as_good and spared else (search, best, balanced)

@@ -57,6 +57,11 @@ class _Found:
     scatter: Scatter = field(default_factory=Scatter)
     stopped: bool = False
 
+    def lose(self, one: Alternative) -> None:
+        """Tell why there is no design with so many parts."""
+        self.alternatives.append(one)
+        self.notes.append(f"with {one.springs}: no design, {one.reason} ({one.value:.3g} over the refinement's poses)")
+
 
 def discover(
     mechanism: Mechanism,
@@ -258,17 +263,17 @@ def _finish(found: _Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refi
     places = tuple(balancer.name for balancer in parts.balancers)
     least = found.values[-1] if found.values else refiner.bare
     if aim.judged == "nominal" and best.value > least * (1 - BETTER):
-        found.alternatives.append(Alternative(count, places, best.value, "one part more gains next to nothing"))
+        found.lose(Alternative(count, places, best.value, "one part more gains next to nothing"))
         return
     try:
         design = built(parts, refiner.shaped(parts, sweep))
     except EquipoiseError as error:
-        found.alternatives.append(Alternative(count, places, best.value, error.message))
+        found.lose(Alternative(count, places, best.value, error.message))
         return
     if aim.judged == "band":
         design = replace(design, tolerance=tolerance(design, found.scatter))
     if found.designs and design.judged > found.designs[-1].judged * (1 - BETTER):
-        found.alternatives.append(Alternative(count, places, design.judged, "one part more gains next to nothing"))
+        found.lose(Alternative(count, places, design.judged, "one part more gains next to nothing"))
         return
     found.designs.append(design)
     found.values.append(design.reached(aim))
