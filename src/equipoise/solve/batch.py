@@ -44,6 +44,17 @@ class Fitted:
     value: Array
     excess: Array
 
+    def take(self, rows: Which) -> Fitted:
+        """Some of the candidates."""
+        return Fitted(self.gamma[rows], self.theta[rows], self.value[rows], self.excess[rows])
+
+    def updated(self, rows: Which, other: Fitted) -> Fitted:
+        """The same with some of the candidates fitted anew."""
+        found = self.take(np.arange(len(self.gamma)))
+        found.gamma[rows], found.theta[rows] = other.gamma, other.theta
+        found.value[rows], found.excess[rows] = other.value, other.excess
+        return found
+
 
 @dataclass(frozen=True, eq=False)
 class _Here:

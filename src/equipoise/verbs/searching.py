@@ -1,4 +1,4 @@
-"""How parts of a catalogue find their geometries: from many beginnings side by side, and from each other's ends."""
+"""How parts of a catalogue find their geometries: from many beginnings side by side, and from where scouts ended."""
 
 from __future__ import annotations
 
@@ -28,14 +28,11 @@ NEARLY = 1e-3
 """Excess up to which where a scout came to rest is a beginning."""
 PASSES, LATE = 5, 20
 """How often states join where a limit was passed between the few, and the steps of a part that goes on then."""
-SWEEPS = 1
 ROUNDS, SHARP = 8, 4
 """How often weights follow the residuals where the objective is no rms, and the steps between."""
 MISSED = 0.01
 """Excess of a limit beyond which a part is given up."""
-LENT, NEIGHBOURS = 0.08, 0.03
-"""A part goes on from where another one came to rest, where that is worse by so much as it stands, and so far away."""
-GLANCES = ((5, 4), (3, 6))
+GLANCES = ((5, 4), (2, 6))
 """(how many, steps): after so many steps each, so many of a part's beginnings go on."""
 SCORED = 325
 """Candidates that are scored at once."""
@@ -80,14 +77,7 @@ class Search:
         starts = [_best(one, self.work.scores(one, rows, number), *how, self.work.bounds) for one, how in sources]
         safe = even.gamma[self.work.scores(even, rows, number, SAFE).argmin(axis=1)]
         which, found = self._descended(rows, number, np.concatenate([*starts, safe[:, None]], axis=1))
-        best = self._settled(rows, number, which, found)
-        for _ in range(SWEEPS):
-            which, gamma = self._lent(rows, number, best)
-            if not len(which):
-                break
-            found = self._fit(self.work.few, rows[which], number[which], gamma, best.theta[which])
-            best = self._settled(rows, number, which, found).better_of(best)
-        best = self._sharpened(rows, number, best)
+        best = self._sharpened(rows, number, self._settled(rows, number, which, found))
         parts = zip(rows, number, strict=True)
         return [best.judged.line(k, self.work.catalogue.part[row], n, best.gamma) for k, (row, n) in enumerate(parts)]
 
@@ -99,8 +89,14 @@ class Search:
         for kept, steps in GLANCES:
             rough = self._fit(self.work.few, rows[which], number[which], gamma, theta, steps)
             order = np.lexsort((self._promise(rough, count), which)).reshape(count, -1)[:, :kept].ravel()
-            which, gamma, theta = which[order], rough.gamma[order], rough.theta[order]
-        return which, self._fit(self.work.few, rows[which], number[which], gamma, theta)
+            which, rough = which[order], rough.take(order)
+            gamma, theta = rough.gamma, rough.theta
+        # What passes a limit by far after so many steps will not keep it.
+        todo = np.flatnonzero(rough.excess <= MISSED)
+        if not len(todo):
+            return which, rough
+        found = self._fit(self.work.few, rows[which[todo]], number[which[todo]], gamma[todo], theta[todo])
+        return which, rough.updated(todo, found)
 
     def _fit(self, states: States, rows: Rows, number: Array, gamma: Array, theta: Array, steps: int = STEPS) -> Fitted:
         """Where these parts come to rest over these states."""
@@ -130,22 +126,6 @@ class Search:
             gamma[todo], theta[todo], excess[todo] = found.gamma, found.theta, found.excess
             judged = judged.updated(todo, self._judged(*again, found))
         return Best.of(len(rows), which, gamma, theta, judged)
-
-    def _lent(self, rows: Rows, number: Array, best: Best) -> tuple[Rows, Array]:
-        """Which parts of a chunk go on from where others came to rest, and the geometries, apart from their own."""
-        kept = best.judged.excess <= KEPT
-        if not kept.any() or not self.work.freedoms:
-            return np.zeros(0, dtype=np.intp), best.gamma[:0]
-        pool = self.work.sifted(best.gamma[kept])
-        scores = self.work.scores(pool, rows, number)
-        span = np.maximum(self.work.bounds[1] - self.work.bounds[0], 1e-300)
-        away = np.abs((pool.gamma - best.gamma[:, None]) / span).max(axis=2)
-        hopeless = best.judged.excess > MISSED
-        mine = np.where(kept, best.judged.size * (1 + LENT), np.where(hopeless, -np.inf, np.inf))
-        scores = np.where((away > NEIGHBOURS) & (scores < mine[:, None]), scores, np.inf)
-        which, there = np.nonzero(np.isfinite(scores) & (scores == scores.min(axis=1, keepdims=True)))
-        which, first = np.unique(which, return_index=True)
-        return which, pool.gamma[there[first]]
 
     def _sharpened(self, rows: Rows, number: Array, best: Best) -> Best:
         """The parts by the objective's own norm: rounds of least squares whose weights follow the residuals.
