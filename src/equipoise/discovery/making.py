@@ -18,6 +18,8 @@ from equipoise.parts.makeable import Makeable
 
 DIGITS = 2
 """Digits of an initial tension that is ordered."""
+FAINT = 0.01
+"""Share of the largest initial tension below which none is ordered."""
 PLAY = 0.25
 """Share of a spring's closed length by which its cable may still be cut longer or shorter."""
 SPAN = 5.0
@@ -102,7 +104,8 @@ def _ordered(make: Makeable, spring: Spring, k: float, product: float, length: A
     law: WindableSpring = spring.law  # type: ignore[assignment]
     made = law.wound(k, product, length)
     coils = float(np.round(made.coils / make.turn) * make.turn)
-    part = replace(made, coils=coils, initial_tension=_rounded(made.initial_tension), leader=0.0)
+    tension = _rounded(made.initial_tension) if made.initial_tension > FAINT * made.largest_tension else 0.0
+    part = replace(made, coils=coils, initial_tension=tension, leader=0.0)
     left = float((product + part.tension) / k - part.own_length)
     if isinstance(spring.path, Cable) and law.room is not None:
         offset, play = float(spring.path.offset) - left, PLAY * float(part.own_length)
@@ -120,7 +123,5 @@ def _said_better(limit: Limit, spring: Spring) -> bool:
 
 def _rounded(tension: float) -> float:
     """Rounded down to the digits that are ordered."""
-    if not tension > 0:
-        return 0.0
     ten = 10.0 ** (np.floor(np.log10(tension)) - DIGITS + 1)
     return float(np.floor(tension / ten + 1e-9) * ten)
