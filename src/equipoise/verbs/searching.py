@@ -59,6 +59,10 @@ class Search:
             ends.append(found.gamma[found.excess <= NEARLY])
         return self.work.sifted(np.concatenate(ends) if sum(map(len, ends)) else self.work.even.gamma[:1])
 
+    def scout(self) -> None:
+        """Send the scouts ahead: what they find goes with the search wherever it is sent."""
+        _ = self.scouted
+
     def promising(self, jobs: Sequence[tuple[int, int]], most: int) -> list[tuple[int, int]]:
         """The jobs whose best geometry scores best."""
         best = []

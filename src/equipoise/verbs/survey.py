@@ -83,7 +83,7 @@ def survey_catalogue(
     chunks = [chunk for chunk in _chunks(catalogue, jobs) if not _parts(catalogue, chunk) <= known]
     lines = list(done)
     try:
-        for whole in shared(search, chunks, workers):
+        for whole in shared(search, chunks, workers, search.scout):
             found = [line for line in whole if (line.part, line.number) not in known]
             lines += found
             if store:

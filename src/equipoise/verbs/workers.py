@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import fields
+from dataclasses import dataclass, fields
+from importlib import import_module
 from multiprocessing import get_context
 from typing import Any, TypeVar
 
@@ -22,23 +23,32 @@ Piece = TypeVar("Piece")
 Answer = TypeVar("Answer")
 
 
-def shared(work: Callable[[Piece], Answer], pieces: Sequence[Piece], workers: int) -> Iterator[Answer]:
+def shared(
+    work: Callable[[Piece], Answer],
+    pieces: Sequence[Piece],
+    workers: int,
+    prepare: Callable[[], object] = lambda: None,
+) -> Iterator[Answer]:
     """The answers to all pieces as they finish, by so many processes; by this one where that is as good.
 
-    Ctrl-C hands over what the processes are at before it is raised. What cannot be sent to another process, or a
-    process that dies, leaves the work to this one.
+    prepare runs here while the processes start; what it leaves in the work goes with it. Ctrl-C hands over what the
+    processes are at before it is raised. What cannot be sent to another process, or a process that dies, leaves the
+    work to this one.
     """
-    sent = _packed(work) if workers > 1 and len(pieces) > 1 else None
-    if sent is None:
+    if not (workers > 1 and len(pieces) > 1 and _packed(work)):
         yield from map(work, pieces)
         return
     left = list(range(len(pieces)))
-    with processes(min(workers, len(pieces)), initializer=_receive, initargs=(sent,)) as pool:
+    with processes(min(workers, len(pieces)), initializer=_leave_ctrl_c) as pool:
         running: dict[Future[Any], int] = {}
         waiting = iter(range(len(pieces)))
         try:
+            for _ in range(min(workers, len(pieces))):
+                pool.submit(_wake, type(work).__module__)
+            prepare()
+            sent = _packed(work) or b""
             for index in waiting:
-                running[pool.submit(_answer, pieces[index])] = index
+                running[pool.submit(_answer, sent, pieces[index])] = index
                 if len(running) < workers:
                     continue
                 yield from _finished(running, left)
@@ -76,17 +86,31 @@ def processes(workers: int, **options: Any) -> Iterator[ProcessPoolExecutor]:
             os.environ.pop(name) if value is None else os.environ.update({name: value})
 
 
-_work: list[Callable[[Any], Any]] = []
+@dataclass
+class _Held:
+    """The work that a process was sent last."""
+
+    sent: bytes = b""
+    work: Callable[[Any], Any] | None = None
 
 
-def _receive(sent: bytes) -> None:
-    """What a process does first: it takes the work, and leaves Ctrl-C to the one that shares it out."""
+_held = _Held()
+
+
+def _leave_ctrl_c() -> None:
+    """What a process does first: it leaves Ctrl-C to the one that shares the work out."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _work[:] = [pickle.loads(sent)]
 
 
-def _answer(piece: Any) -> Any:
-    return _work[0](piece)
+def _wake(module: str) -> None:
+    """Import what the work needs, before the work comes."""
+    import_module(module)
+
+
+def _answer(sent: bytes, piece: Any) -> Any:
+    if _held.work is None or _held.sent != sent:
+        _held.sent, _held.work = sent, pickle.loads(sent)
+    return _held.work(piece)
 
 
 class _Pickler(pickle.Pickler):
