@@ -59,7 +59,7 @@ STEP = 1e-5
     ("name", "change"),
     [
         ("coil's rest length", lambda h: (arm(), parts(rest=0.05 + h), 1.5)),
-        ("coil.path.a.x", lambda h: (arm(), parts(x=-0.03 + h), 1.5)),
+        ("coil.path.line.0.x", lambda h: (arm(), parts(x=-0.03 + h), 1.5)),
         ("mass of upper", lambda h: (arm(mass=3.0 * (1 + h)), parts(), 1.5)),
         ("payload", lambda h: (arm(), parts(), 1.5 * (1 + h))),
         ("tilt of the base", lambda h: (arm(gravity=(9.81 * np.sin(h), 0, -9.81 * np.cos(h))), parts(), 1.5)),

@@ -87,11 +87,17 @@ def _numbers(item: Any, name: str, along: str) -> Iterator[tuple[str, str]]:
     elif is_dataclass(item) and not isinstance(item, type):
         marks, along = unit_marks(type(item)), _along(item, along)
         for field in fields(item):
-            value, inner = getattr(item, field.name), f"{name}.{field.name}"
+            value, inner = getattr(item, field.name), f"{name}.{_written(item, field.name)}"
             if is_dataclass(value) or (isinstance(value, tuple) and any(is_dataclass(entry) for entry in value)):
                 yield from _numbers(value, inner, along)
             elif marks.get(field.name) and isinstance(value, int | float) and not isinstance(value, bool):
                 yield inner, along_path(marks[field.name], along)
+
+
+def _written(item: Any, field: str) -> str:
+    """How a problem file writes a field: by name, but the ends of a line, which is a list, by number."""
+    ends = [one.name for one in fields(item)]
+    return f"{tag(type(item))}.{ends.index(field)}" if all(isinstance(getattr(item, e), Point) for e in ends) else field
 
 
 def reaches(balancers: Sequence[Item], name: str) -> tuple[str, ...]:
