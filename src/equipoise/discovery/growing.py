@@ -19,6 +19,7 @@ from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
 from equipoise.units import text
+from equipoise.verification.saved import installed
 
 EXCESS = 1e-5
 """Relative excess of a limit over the refinement's poses above which a choice is no design."""
@@ -176,6 +177,8 @@ def _finish(found: Found, refiner: Refiner, sweep: Sweep, aim: Aim, ideal: Refin
         return
     try:
         design = built(parts, refiner.shaped(parts, sweep))
+        # What no model file can hold cannot be verified.
+        installed(design)
     except EquipoiseError as error:
         found.lose(Alternative(count, places, best.value, error.message))
         return

@@ -98,7 +98,8 @@ def judge(collection: Collection, subset: Subset, norm: Norm) -> tuple[float, tu
     unknowns = tuple(Unknown(str(index), "", 0.0, 1.0) for index in subset)
     term = Term("hold", norm, b, np.tile(A, (scenarios, 1, 1)), weight / weight.sum(), (1,) * dictionary.blocks)
     found = solve(Program(unknowns, (term,)))
-    return found.objective, tuple(float(share) for share in found.theta)
+    # A solver keeps bounds to rounding; a spring of less than nothing has no mass.
+    return found.objective, tuple(float(share) for share in np.clip(found.theta, 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -86,8 +86,9 @@ def discover(
             raise
         found.stopped = True
     if not found.designs:
+        told = "".join(f"; {note}" for note in dict.fromkeys(found.notes))
         raise InfeasibleError(
-            "no subset of the candidates gains anything within the limits",
+            f"no subset of the candidates gains anything within the limits{told}",
             where="discover",
             hint="try other `kinds`, widen `margin` or list `points` farther out, or relax the limits",
         )

@@ -91,7 +91,9 @@ class CableSprings(LineKind):
                 "no motion changes its length": lines.longest - lines.shortest <= FAINT * lines.longest,
                 "no room for a spring along the link": room < (1 + self.elongation) * LEAST,
                 "stroke above what a spring in the link's room can stretch": stroke > self.extension(room, stroke),
-                "the cable does not keep to one side of the pulley": self._winds(scene, pair, lines, group),
+                "the cable does not keep to one side of the pulley and in its plane": self._winds(
+                    scene, pair, lines, group
+                ),
             }
             kept = scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b)})
             if kept.any():
@@ -127,6 +129,9 @@ class CableSprings(LineKind):
             return np.zeros(len(lines), dtype=bool)
         flat = scene.ground.normal(pair[0].body, pair[1].body)
         if flat is None:
+            return np.ones(len(lines), dtype=bool)
+        # A pulley does not lead a cable out of its plane: a link that leaves it carries no spring behind one.
+        if (np.abs(self.along(group, lines.a)[1] @ flat[0]) > STRAIGHT).any():
             return np.ones(len(lines), dtype=bool)
         wrap = self._wraps(scene, lines, group, flat[0])
         sided = (wrap > LEAST_WRAP).all(axis=0) | (wrap < -LEAST_WRAP).all(axis=0)
