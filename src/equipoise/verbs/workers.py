@@ -108,9 +108,11 @@ def _wake(module: str) -> None:
 
 
 def _answer(sent: bytes, piece: Any) -> Any:
-    if _held.work is None or _held.sent != sent:
-        _held.sent, _held.work = sent, pickle.loads(sent)
-    return _held.work(piece)
+    work = _held.work if _held.sent == sent else None
+    if work is None:
+        work = pickle.loads(sent)
+        _held.sent, _held.work = sent, work
+    return work(piece)
 
 
 class _Pickler(pickle.Pickler):
