@@ -72,7 +72,6 @@ COLUMNS = (
 )  # fmt: skip
 
 KINDS = {column.key: column.kind for column in COLUMNS}
-SI = {"length": "m", "force": "N", "rate": "N/m", "mass": "kg", "number": ""}
 
 METRIC = {"length": "mm", "force": "N", "rate": "N/mm", "mass": "g"}
 INCH = {"length": "in", "force": "lbf", "rate": "lbf/in", "mass": "lb"}

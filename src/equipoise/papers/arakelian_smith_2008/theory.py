@@ -29,7 +29,6 @@ from equipoise.papers.arakelian_smith_2008.model import (
 )
 
 ROUNDING = 1e-10
-SMALL_SHARE = 0.01
 
 
 def _none(value: float) -> bool:
