@@ -29,6 +29,10 @@ LEAST = 0.02
 STRAIGHT = 1e-6
 LEAST_WRAP, MOST_WRAP = 0.1, 2.2
 """rad: what a pulley with a radius is wrapped by at all poses."""
+TACKLES = (1.0, 1 / 2, 1 / 3, 1 / 4)
+"""Ratios of tackles of one to four falls."""
+STRONG = 0.5
+"""Share of the rate behind the best tackle that one of fewer falls has to reach."""
 
 
 @dataclass(frozen=True)
@@ -42,14 +46,15 @@ class CableSprings(LineKind):
     spring of zero free length. room, m, is what the link offers from the guide to its end (default: by the link's
     skeleton), rooms {body: room} that of single links, such as a housing on the base; fittings, m, what hooks and
     thimbles take of it; elongation the largest of the spring, a share of L0;
-    ratio that of a tackle, below 1 where the spring moves less than the cable; force in N the most of the spring.
+    ratio that of a tackle, 1 / falls where the spring moves less than the cable, or several to choose from: the fewest
+    falls with at least half the rate, at zero free length, of the best of them; force in N the most of the spring.
     radius, m, is that of a guide pulley, on planar pairs and where the cable keeps to one side of it; 0 is an eye, or
     a fairlead of small rollers. Each link of a pair is tried as the one that carries the spring. With make, what can be
     wound into the room decides (a `WindableSpring` each) in the place of elongation.
     """
 
     elongation: Number = 1.0
-    ratio: Number = 1.0
+    ratio: Number | tuple[Number, ...] = TACKLES
     room: Length | None = None
     rooms: Mapping[str, Length] | None = None
     fittings: Length = 0.04
@@ -58,9 +63,12 @@ class CableSprings(LineKind):
     make: Makeable | None = None
 
     def __post_init__(self) -> None:
-        for name in ("elongation", "ratio", "force"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"{name} is {getattr(self, name):g}, it must be positive", where="discover")
+        if not self.ratios:
+            raise InputError("no ratio is given", where="discover", hint="ratio: 1/2 is that of a tackle of two falls")
+        numbers = [("elongation", self.elongation), ("force", self.force), *(("ratio", ratio) for ratio in self.ratios)]
+        for name, number in numbers:
+            if not number > 0:
+                raise InputError(f"{name} is {number:g}, it must be positive", where="discover")
         for name in ("fittings", "radius"):
             if getattr(self, name) < 0:
                 raise InputError(f"{name} is {getattr(self, name):g} m, it cannot be negative", where="discover")
@@ -71,9 +79,15 @@ class CableSprings(LineKind):
         return "coil along a link with a cable through a guide"
 
     @property
+    def ratios(self) -> tuple[float, ...]:
+        """The tackles to choose from, those of the fewest falls first."""
+        given = self.ratio if isinstance(self.ratio, tuple) else (self.ratio,)
+        return tuple(sorted(given, reverse=True))
+
+    @property
     def most(self) -> float:
-        """The largest pull of the cable, N."""
-        return self.force * self.ratio
+        """The largest force of the spring, N."""
+        return self.force
 
     def made(self, make: Makeable) -> Kind:
         """The same with springs that can be wound."""
@@ -86,19 +100,35 @@ class CableSprings(LineKind):
             lines = Lines.of(scene, pair)
             group = scene.ground.group_of(pair[0].body)
             room = self.along(group, lines.a)[0] - self.fittings - self.radius
-            stroke = self.ratio * (lines.longest - lines.shortest)
+            ratio, extension = self.tackle(lines, room)
             reasons = {
                 "no motion changes its length": lines.longest - lines.shortest <= FAINT * lines.longest,
                 "no room for a spring along the link": room < (1 + self.elongation) * LEAST,
-                "stroke above what a spring in the link's room can stretch": stroke > self.extension(room, stroke),
+                "stroke above what a spring in the link's room can stretch": (
+                    ratio * (lines.longest - lines.shortest) > extension
+                ),
                 "the cable does not keep to one side of the pulley and in its plane": self._winds(
                     scene, pair, lines, group
                 ),
             }
             kept = scene.sift(len(lines), {**reasons, **scene.keep(lines.bodies, lines.a, lines.b)})
             if kept.any():
-                found.append(self._carried(scene, lines.take(kept), room[kept], group))
+                found.append(self._carried(scene, lines.take(kept), (room[kept], ratio[kept], extension[kept]), group))
         return found
+
+    def tackle(self, lines: Lines, room: Array) -> tuple[Array, Array]:
+        """Ratio (C,) of every couple's tackle, and the largest extension (C,), m, of the spring behind it."""
+        none = np.zeros(len(lines))
+        strokes = [ratio * (lines.longest - lines.shortest) for ratio in self.ratios]
+        reach = np.stack([self.extension(room, stroke) for stroke in strokes])
+        rates = []
+        for ratio, stroke, most in zip(self.ratios, strokes, reach, strict=True):
+            law = {"free_length": none, "room": room, "stroke": stroke, "ratio": np.full(len(lines), ratio)}
+            fits = ratio * lines.longest <= most
+            rates.append(np.where(fits, self.allowed(lines, law, self.force / lines.longest), 0.0))
+        strong = np.array(rates) >= STRONG * np.max(rates, axis=0)
+        chosen = np.where(np.any(rates, axis=0), strong.argmax(axis=0), len(self.ratios) - 1)
+        return np.array(self.ratios)[chosen], reach[chosen, np.arange(len(lines))]
 
     def extension(self, room: Array, stroke: Array) -> Array:
         """The largest extension (C,), m, of springs in rooms (C,) over strokes (C,)."""
@@ -147,14 +177,14 @@ class CableSprings(LineKind):
         sine = (np.cross(inwards, onwards) * normal).sum(-1)
         return np.arctan2(sine, (inwards * onwards).sum(-1)).T
 
-    def _carried(self, scene: Scene, lines: Lines, room: Array, group: Group) -> Batch:
+    def _carried(self, scene: Scene, lines: Lines, seats: tuple[Array, Array, Array], group: Group) -> Batch:
         """The batch of couples whose first body carries the spring."""
-        stroke = self.ratio * (lines.longest - lines.shortest)
-        reach = self.extension(room, stroke) / self.ratio
+        room, ratio, extension = seats
+        reach, stroke = extension / ratio, ratio * (lines.longest - lines.shortest)
         slack = np.maximum(lines.longest - reach, 0.0)
         tight = np.minimum(lines.shortest, lines.longest - LEAST * reach)
         starts = (slack, tight) if self.make is None else (slack, (slack + tight) / 2, tight)
-        laws = [{"free_length": start, "room": room, "stroke": stroke} for start in starts]
+        laws = [{"free_length": start, "room": room, "stroke": stroke, "ratio": ratio} for start in starts]
         columns, upper, mass, spot = self.dense(scene, lines, laws)
         rooms, way = self.along(group, lines.a)
         flat = scene.ground.normal(*lines.bodies)
@@ -165,8 +195,8 @@ class CableSprings(LineKind):
         def propose(index: int, name: str) -> Proposal:
             at = index % len(lines)
             start = float(starts[index // len(lines)][at])
-            law = self._law(lines.take(np.array([at])), room[[at]], start)
-            seat = (float(rooms[at]), way[at], float(room[at]), start)
+            law = self._law(stroke[[at]], room[[at]], ratio[at] * (lines.longest[at] - start))
+            seat = (float(rooms[at]), way[at], float(room[at]), start, float(ratio[at]))
             return replace(self._spring(name, lines, at, seat, side[at], flat, law), mass=float(mass[index]))
 
         place = f"{lines.place}, spring along {lines.bodies[0]}"
@@ -174,30 +204,30 @@ class CableSprings(LineKind):
 
     def allowed(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
         """Rates (C,), N/m, of the pull over the distance, under the force limit and of what can be wound."""
+        ratio = law["ratio"]
         if self.make is None:
-            return most
-        extension = self.ratio * (lines.longest - law["free_length"])
-        return np.minimum(most, self.ratio**2 * self.make.most_behind(law["stroke"], law["room"], extension)[0])
+            return ratio * most
+        extension = ratio * (lines.longest - law["free_length"])
+        return np.minimum(ratio * most, ratio**2 * self.make.most_behind(law["stroke"], law["room"], extension)[0])
 
     def masses(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
         """Own mass (C,), kg, of what can be wound."""
         if self.make is None:
             return super().masses(lines, law, most)
-        extension = self.ratio * (lines.longest - law["free_length"])
+        extension = law["ratio"] * (lines.longest - law["free_length"])
         rate, option = self.make.most_behind(law["stroke"], law["room"], extension)
-        return self.make.mass_at(option, rate) * most / np.maximum(self.ratio**2 * rate, 1e-300)
+        return self.make.mass_at(option, rate) * most / np.maximum(law["ratio"] ** 2 * rate, 1e-300)
 
     def weighing(self, scene: Scene, lines: Lines) -> tuple[tuple[str, Array, float], ...]:
         """The coil lies along its link, from its far end towards the guide."""
         rooms, way = self.along(scene.ground.group_of(lines.bodies[0]), lines.a)
         return ((lines.bodies[0], lines.a + rooms[:, None] * way, 0.5), (lines.bodies[0], lines.a, 0.5))
 
-    def _law(self, one: Lines, room: Array, start: float) -> Law:
+    def _law(self, stroke: Array, room: Array, extension: float) -> Law:
         """A coil with rate and free length open; of what can be wound the wire that allows most."""
         if self.make is None:
             return Coil(free_length=None)
-        stroke = self.ratio * (one.longest - one.shortest)
-        option = self.make.most_behind(stroke, room, self.ratio * (one.longest - start))[1]
+        option = self.make.most_behind(stroke, room, np.array([extension]))[1]
         return self.make.start(option, float(room[0]))
 
     def _spring(
@@ -205,12 +235,12 @@ class CableSprings(LineKind):
         name: str,
         lines: Lines,
         at: int,
-        room: tuple[float, Array, float, float],
+        room: tuple[float, Array, float, float, float],
         side: float,
         flat: tuple[Array, Array, float] | None,
         law: Law,
     ) -> Proposal:
-        run, way, inside, start = room
+        run, way, inside, start, ratio = room
         free = inside / (1 + self.elongation)
         one, other = lines.bodies
         guide, hook = Point.of(one, lines.a[at].tolist()), Point.of(other, lines.b[at].tolist())
@@ -218,8 +248,8 @@ class CableSprings(LineKind):
         options: dict[str, Any] = {} if flat is None else {"axis": tuple(flat[0].tolist())}
         pulley = Pulley(one, guide.at, self.radius, "left" if side > 0 else "right", **options)
         # l - L0 = ratio (d - start) for the free length that the room leaves.
-        offset = free - self.ratio * (run + start)
-        path = Cable((anchor, pulley, hook), self.ratio, offset)
+        offset = free - ratio * (run + start)
+        path = Cable((anchor, pulley, hook), ratio, offset)
         moving: dict[str, tuple[float, float]] = {}
         for number, spots, across in ((1, lines.pair[0], np.abs(way) < STRAIGHT), (2, lines.pair[1], np.full(3, True))):
             for axis, (low, high), may in zip("xyz", spots.box, across, strict=True):
