@@ -170,7 +170,7 @@ class Bend:
 
         MuJoCo takes the way around on which the site lies opposite to the angle between the two runs.
         """
-        room = np.minimum(0.5 * (np.pi - self.wrap), LOOSE)
+        room = np.where(self.wrap > 0, 0.5 * (np.pi - self.wrap), LOOSE)
         low, high = float((self.away - room).max()), float((self.away + room).min())
         return 0.5 * (low + high) if high - low >= SHORT else None
 
