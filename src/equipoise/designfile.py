@@ -15,6 +15,7 @@ from equipoise.affine import merge_unknowns
 from equipoise.assemble import Balancer, account
 from equipoise.certificate import Active, Certificate
 from equipoise.design import Design
+from equipoise.discovery.alternative import Alternative
 from equipoise.errors import ProblemError
 from equipoise.floors import Floor
 from equipoise.mechanism import Mechanism
@@ -89,6 +90,7 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         refined=int(data.get("refined") or 0),
         problem=record,
         places=places,
+        alternatives=_alternatives(data, name),
         friction=problem.content.friction,
     )
     return problem, design, tuple(_changes(design, data))
@@ -100,6 +102,14 @@ def _places(data: Mapping[str, Any], name: str) -> dict[str, Placed]:
         return {spring: Placed(**entry) for spring, entry in (data.get("places") or {}).items()}
     except (AttributeError, TypeError):
         raise ProblemError("the places of springs are incomplete", where=f"{name}, places") from None
+
+
+def _alternatives(data: Mapping[str, Any], name: str) -> tuple[Alternative, ...]:
+    """What a discovery considered in the design's place."""
+    try:
+        return tuple(Alternative.read(entry) for entry in data.get("alternatives") or ())
+    except (AttributeError, KeyError, TypeError):
+        raise ProblemError("an alternative is incomplete", where=f"{name}, alternatives") from None
 
 
 def _case(problem: Problem, record: Mapping[str, Any], name: str) -> tuple[Mechanism, Sweep]:
