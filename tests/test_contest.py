@@ -109,5 +109,5 @@ def test_a_saved_design_keeps_what_was_considered_in_its_place(tmp_path, capsys)
     assert kept["alternatives"] == written["alternatives"]
     written["alternatives"] = [{"springs": 2}]
     saved.write_text(json.dumps(written), encoding="utf-8")
-    with pytest.raises(ProblemError, match="an alternative is incomplete"):
+    with pytest.raises(ProblemError, match="an entry is incomplete"):
         load_design(saved)

@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from equipoise.discovery.alternative import Alternative
     from equipoise.machinery import Machine
     from equipoise.make.synthesis import Part as MadePart
+    from equipoise.parts.choice import Choice
     from equipoise.rubbing import DeadBand
     from equipoise.scattering import Tolerance
-    from equipoise.verbs.pick import Choice
     from equipoise.verbs.place import Placed
     from equipoise.verification.findings import Verification
 
