@@ -16,7 +16,7 @@ from equipoise.balancers.paths.path import Moving, Need, Path, Place, Run, Sketc
 from equipoise.balancers.paths.pulley import Pulley
 from equipoise.balancers.paths.rigging import guides, rig
 from equipoise.balancers.paths.rub import Rub
-from equipoise.balancers.paths.taut import CLOSE, Node, Taut, clearances, taut
+from equipoise.balancers.paths.taut import CLOSE, Node, Taut, clearances, embraces, taut
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism, Point
@@ -66,6 +66,14 @@ class Cable(Path):
         apart = np.linalg.norm(states.point(a)[0][0] - states.point(b)[0][0])
         still = float(self.taut(states).length[0] - apart)
         return Run(a, b, float(self.ratio), float(self.ratio * still + self.offset))
+
+    def embraces(self, states: States) -> list[tuple[int, Array, Array]]:
+        """Place among `through`, wrap (..., N), rad, and its rate (..., N, nd) of each pulley, were none left."""
+        return embraces([_node(item, states) for item in self.through])
+
+    def clearances(self, states: States) -> list[tuple[Array, Array]]:
+        """How far, m, the neighbours of pulleys are from their rims, and from their centres, (..., N)."""
+        return clearances([_node(item, states) for item in self.through])
 
     def rubs(self, states: States) -> tuple[Rub, ...]:
         """Every sheave by the share of half a turn that the cable wraps; an eye by the angle it turns the cable."""
@@ -150,10 +158,9 @@ class Cable(Path):
 
     def needs(self, states: States) -> tuple[Need, ...]:
         """No point runs into a pulley."""
-        found = clearances([_node(item, states) for item in self.through])
         return tuple(
             Need("clearance of the pulleys", "m", room - CLOSE * distance, float(np.real(distance).max()))
-            for room, distance in found
+            for room, distance in self.clearances(states)
             if room.ndim > 1
         )
 
