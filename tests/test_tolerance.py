@@ -224,3 +224,17 @@ def test_quantiles_of_one_source_by_hand(source, norm):
     size = np.abs(one).max() if norm == "peak" else np.sqrt((one**2).mean())
     wanted = [NormalDist().inv_cdf((1 + level) / 2) * size for level in (0.05, 0.5, 0.95)]
     assert [band.low, band.median, band.high] == pytest.approx(wanted, rel=0.04)
+
+
+def test_an_adjuster_goes_no_further_than_a_screw():
+    """A hook whose height hardly matters is not asked to move by metres."""
+    mechanism = eq.chain([eq.Link("arm", length=0.5, mass=2.0), eq.Link("fore", length=0.4, mass=1.0)])
+    over = eq.Sweep.sobol(mechanism, 64)
+    spring = eq.Spring("s", eq.Line(eq.Point("world", (0, 0, 0.2)), eq.Point("arm", (0.1, 0, 0))), eq.ZeroFreeLength())
+    design = eq.balance(mechanism, [spring], over)
+    specimen_scatter = eq.Scatter(**NOTHING | {"tilt": 0.1, "anchor": 1e-3})
+    answer = eq.tolerance(design, specimen_scatter, samples=2000)
+    assert answer.adjuster.unit == "m"
+    assert mechanism.size == pytest.approx(0.5)
+    assert 0 < answer.adjuster.travel / 2 <= 0.05 * mechanism.size * (1 + 1e-9)
+    assert answer.adjuster.band.high <= answer.band.high
