@@ -227,14 +227,17 @@ def test_quantiles_of_one_source_by_hand(source, norm):
 
 
 def test_an_adjuster_goes_no_further_than_a_screw():
-    """A hook whose height hardly matters is not asked to move by metres."""
-    mechanism = eq.chain([eq.Link("arm", length=0.5, mass=2.0), eq.Link("fore", length=0.4, mass=1.0)])
-    over = eq.Sweep.sobol(mechanism, 64)
-    spring = eq.Spring("s", eq.Line(eq.Point("world", (0, 0, 0.2)), eq.Point("arm", (0.1, 0, 0))), eq.ZeroFreeLength())
-    design = eq.balance(mechanism, [spring], over)
-    specimen_scatter = eq.Scatter(**NOTHING | {"tilt": 0.1, "anchor": 1e-3})
-    answer = eq.tolerance(design, specimen_scatter, samples=2000)
-    assert answer.adjuster.unit == "m"
-    assert mechanism.size == pytest.approx(0.5)
-    assert 0 < answer.adjuster.travel / 2 <= 0.05 * mechanism.size * (1 + 1e-9)
-    assert answer.adjuster.band.high <= answer.band.high
+    mechanism = arm()
+    spring = eq.Spring("s", parts()[0].path, eq.ZeroFreeLength())
+    design = eq.balance(mechanism, [spring], sweep(mechanism), norm="peak")
+    aim, states = design.objective[0], design.states
+    listed = sources(mechanism, design.balancers, design.sweep, states, "hold", dict(design.values), eq.Scatter())
+    whole = _Specimen.of(design, aim, states, listed)
+    errors = np.random.default_rng(3).standard_normal((200, len(listed)))
+    (index, *_) = [number for number, source in enumerate(listed) if source.tunable]
+    free = whole.retuned(index, errors, np.inf)
+    held = whole.retuned(index, errors, free.travel / 4)
+    assert 0 < held.travel / 2 <= free.travel / 4 * (1 + 1e-9)
+    assert held.band.high > free.band.high
+    shown = eq.tolerance(design, samples=2000).adjuster
+    assert shown.travel / 2 <= {"m": 0.05 * mechanism.size}.get(shown.unit, 0.25) * (1 + 1e-9)
