@@ -358,6 +358,30 @@ def test_a_cable_over_a_guide_realises_zero_free_length_in_the_room_of_a_link():
     assert eq.verify(design, poses=200).verification.agrees
 
 
+def test_the_fewest_falls_behind_which_a_spring_reaches_zero_free_length():
+    mech = arm()
+    kind = eq.CableSprings(elongation=1.0, ratio=(0.25, 1.0, 0.5), room=0.4, fittings=0.0)
+    request = eq.Discover(kinds=(kind,), pairs=((mech.bodies[0], "upper"), (mech.bodies[0], "fore")), candidates=400)
+    found = collect(mech, eq.Sweep.sobol(mech, 64), request, eq.Aim(norm="rms"))
+    states, extension = found.scene.states, 0.2
+    chosen = set()
+    for index in range(0, len(found.dictionary), max(1, len(found.dictionary) // 60)):
+        path = found.propose(index, 1).balancer.path
+        guide, hook = (states.point(point)[0] for point in (path.through[1].centre, path.through[2]))
+        longest = np.linalg.norm(hook - guide, axis=-1).max()
+        fits = [ratio for ratio in (1.0, 0.5, 0.25) if ratio * longest <= extension]
+        assert path.ratio == (fits or [0.25])[0]
+        chosen.add(path.ratio)
+    assert len(chosen) > 1
+
+
+def test_ratios_of_a_cable_that_are_no_tackle():
+    with pytest.raises(eq.InputError, match=r"ratio is -0\.5"):
+        eq.CableSprings(ratio=(1.0, -0.5))
+    with pytest.raises(eq.InputError, match="no ratio"):
+        eq.CableSprings(ratio=())
+
+
 def test_springs_that_gain_nothing_are_said_to():
     """Between upper arm and forearm no ideal spring lowers a peak that the shoulder alone holds."""
     mech = arm()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import mujoco
@@ -11,7 +12,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.mount import along_mount
-from equipoise.balancers.paths.path import Moving, Need, Path, Place, Sketch
+from equipoise.balancers.paths.path import Moving, Need, Path, Place, Run, Sketch
 from equipoise.balancers.paths.pulley import Pulley
 from equipoise.balancers.paths.rigging import guides, rig, wraps
 from equipoise.balancers.paths.rub import Rub
@@ -51,6 +52,21 @@ class Cable(Path):
     def taut(self, states: States) -> Taut:
         """The cable with its runs and wraps."""
         return taut(self._nodes(states))
+
+    def run(self, states: States) -> Run | None:
+        """The only run between bodies that move against each other, where the cable goes through eyes alone."""
+        if any(wraps(item) for item in self.through):
+            return None
+        points = [self._place(index) for index in range(len(self.through))]
+        model = states.mechanism.model
+        groups = [ancestors(model, states.mechanism.body_id(point.body)) for point in points]
+        moving = [index for index, (one, other) in enumerate(pairwise(groups)) if one != other]
+        if len(moving) != 1:
+            return None
+        a, b = points[moving[0]], points[moving[0] + 1]
+        apart = np.linalg.norm(states.point(a)[0][0] - states.point(b)[0][0])
+        still = float(self.taut(states).length[0] - apart)
+        return Run(a, b, float(self.ratio), float(self.ratio * still + self.offset))
 
     def embraces(self, states: States) -> list[tuple[int, Array, Array]]:
         """Place among `through`, wrap (..., N), rad, and its rate (..., N, nd) of each pulley, were none left."""

@@ -35,6 +35,10 @@ from equipoise.units import Length, Number
 
 LEAST = 0.02
 """m: the shortest spring worth a thought; also the least share of its extension that keeps it taut."""
+TACKLES = (1.0, 1 / 2, 1 / 3, 1 / 4)
+"""Ratios of tackles of one to four falls."""
+STRONG = 0.5
+"""Share of the rate behind the best tackle that one of fewer falls has to reach."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,8 @@ class CableSprings(LineKind):
     spring of zero free length. room, m, is what the link offers from the guide to its end (default: by the link's
     skeleton), rooms {body: room} that of single links, such as a housing on the base; fittings, m, what hooks and
     thimbles take of it; elongation the largest of the spring, a share of L0;
-    ratio that of a tackle, below 1 where the spring moves less than the cable; force in N the most of the spring.
+    ratio that of a tackle, 1 / falls where the spring moves less than the cable, or several to choose from: the fewest
+    falls with at least half the rate, at zero free length, of the best of them; force in N the most of the spring.
     radius, m, is that of a guide pulley, on planar pairs and where the cable keeps to one side of it, which a limit
     `Wrap` holds; the spring then lies towards either end of its link, a housing in any of four ways in the plane. 0 is
     an eye. guide `swivel` turns the pulley about the run from the spring, so that it follows the hook to any side, out
@@ -58,7 +63,7 @@ class CableSprings(LineKind):
     """
 
     elongation: Number = 1.0
-    ratio: Number = 1.0
+    ratio: Number | tuple[Number, ...] = TACKLES
     room: Length | None = None
     rooms: Mapping[str, Length] | None = None
     fittings: Length = 0.04
@@ -68,9 +73,12 @@ class CableSprings(LineKind):
     make: Makeable | None = None
 
     def __post_init__(self) -> None:
-        for name in ("elongation", "ratio", "force"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"{name} is {getattr(self, name):g}, it must be positive", where="discover")
+        if not self.ratios:
+            raise InputError("no ratio is given", where="discover", hint="ratio: 1/2 is that of a tackle of two falls")
+        numbers = [("elongation", self.elongation), ("force", self.force), *(("ratio", ratio) for ratio in self.ratios)]
+        for name, number in numbers:
+            if not number > 0:
+                raise InputError(f"{name} is {number:g}, it must be positive", where="discover")
         for name in ("fittings", "radius"):
             if getattr(self, name) < 0:
                 raise InputError(f"{name} is {getattr(self, name):g} m, it cannot be negative", where="discover")
@@ -89,8 +97,14 @@ class CableSprings(LineKind):
 
     @property
     def most(self) -> float:
-        """The largest pull of the cable, N."""
-        return self.force * self.ratio
+        """The largest force of the spring, N."""
+        return self.force
+
+    @property
+    def ratios(self) -> tuple[float, ...]:
+        """The tackles to choose from, those of the fewest falls first."""
+        given = self.ratio if isinstance(self.ratio, tuple) else (self.ratio,)
+        return tuple(sorted(given, reverse=True))
 
     def made(self, make: Makeable) -> Kind:
         """The same with springs that can be wound."""
@@ -102,19 +116,21 @@ class CableSprings(LineKind):
         for pair in [order for a, b in scene.pairs for order in ((a, b), (b, a))]:
             lines = Lines.of(scene, pair)
             keep = scene.keep(lines.bodies, lines.a, lines.b)
-            stroke = self.ratio * (lines.longest - lines.shortest)
             choices = []
             for way, side in self._seats(scene, pair, lines):
                 room = self.inside(way[0])
+                ratio, extension = self.tackle(lines, room)
                 reasons = {
                     "no motion changes its length": lines.longest - lines.shortest <= FAINT * lines.longest,
                     "no room for a spring along the link": room < (1 + self.elongation) * LEAST,
-                    "stroke above what a spring in the link's room can stretch": stroke > self.extension(room, stroke),
+                    "stroke above what a spring in the link's room can stretch": (
+                        ratio * (lines.longest - lines.shortest) > extension
+                    ),
                     self.astray: side == 0,
                 }
                 kept = scene.sift(len(lines), {**reasons, **keep})
-                choices.append((np.flatnonzero(kept), way, side))
-            if any(len(kept) for kept, _, _ in choices):
+                choices.append((np.flatnonzero(kept), way, side, ratio))
+            if any(len(kept) for kept, *_ in choices):
                 found.append(self._carried(scene, Seated.of(lines, choices)))
         return found
 
@@ -127,6 +143,20 @@ class CableSprings(LineKind):
         if self.make is not None:
             return self.make.longest_behind(stroke, room)
         return self.elongation * room / (1 + self.elongation)
+
+    def tackle(self, lines: Lines, room: Array) -> tuple[Array, Array]:
+        """Ratio (C,) of every couple's tackle, and the largest extension (C,), m, of the spring behind it."""
+        none = np.zeros(len(lines))
+        strokes = [ratio * (lines.longest - lines.shortest) for ratio in self.ratios]
+        reach = np.stack([self.extension(room, stroke) for stroke in strokes])
+        rates = []
+        for ratio, stroke, most in zip(self.ratios, strokes, reach, strict=True):
+            law = {"free_length": none, "room": room, "stroke": stroke, "ratio": np.full(len(lines), ratio)}
+            fits = ratio * lines.longest <= most
+            rates.append(np.where(fits, self.allowed(lines, law, self.force / lines.longest), 0.0))
+        strong = np.array(rates) >= STRONG * np.max(rates, axis=0)
+        chosen = np.where(np.any(rates, axis=0), strong.argmax(axis=0), len(self.ratios) - 1)
+        return np.array(self.ratios)[chosen], reach[chosen, np.arange(len(lines))]
 
     def _seats(self, scene: Scene, pair: tuple[Spots, Spots], lines: Lines) -> list[tuple[Way, Array]]:
         """Ways of the coils of all couples, each with the side (C,) of the pulley on which the cable runs, 0 for none.
@@ -154,12 +184,12 @@ class CableSprings(LineKind):
 
     def _carried(self, scene: Scene, lines: Seated) -> Batch:
         """The batch of couples whose first body carries the spring."""
-        room, stroke = self.inside(lines.room), self.ratio * (lines.longest - lines.shortest)
-        reach = self.extension(room, stroke) / self.ratio
+        room, ratio, stroke = self.inside(lines.room), lines.ratio, lines.ratio * (lines.longest - lines.shortest)
+        reach = self.extension(room, stroke) / ratio
         slack = np.maximum(lines.longest - reach, 0.0)
         tight = np.minimum(lines.shortest, lines.longest - LEAST * reach)
         starts = (slack, tight) if self.make is None else (slack, (slack + tight) / 2, tight)
-        laws = [{"free_length": start, "room": room, "stroke": stroke} for start in starts]
+        laws = [{"free_length": start, "room": room, "stroke": stroke, "ratio": ratio} for start in starts]
         columns, upper, mass, spot = self.dense(scene, lines, laws)
         flat = scene.ground.normal(*lines.bodies)
 
@@ -174,18 +204,19 @@ class CableSprings(LineKind):
 
     def allowed(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
         """Rates (C,), N/m, of the pull over the distance, under the force limit and of what can be wound."""
+        ratio = law["ratio"]
         if self.make is None:
-            return most
-        extension = self.ratio * (lines.longest - law["free_length"])
-        return np.minimum(most, self.ratio**2 * self.make.most_behind(law["stroke"], law["room"], extension)[0])
+            return ratio * most
+        extension = ratio * (lines.longest - law["free_length"])
+        return np.minimum(ratio * most, ratio**2 * self.make.most_behind(law["stroke"], law["room"], extension)[0])
 
     def masses(self, lines: Lines, law: Mapping[str, Array], most: Array) -> Array:
         """Own mass (C,), kg, of what can be wound."""
         if self.make is None:
             return super().masses(lines, law, most)
-        extension = self.ratio * (lines.longest - law["free_length"])
+        extension = law["ratio"] * (lines.longest - law["free_length"])
         rate, option = self.make.most_behind(law["stroke"], law["room"], extension)
-        return self.make.mass_at(option, rate) * most / np.maximum(self.ratio**2 * rate, 1e-300)
+        return self.make.mass_at(option, rate) * most / np.maximum(law["ratio"] ** 2 * rate, 1e-300)
 
     def weighing(self, scene: Scene, lines: Lines) -> tuple[tuple[str, Array, float], ...]:  # noqa: ARG002
         """The coil lies along its link, from its far end towards the guide."""
@@ -197,13 +228,13 @@ class CableSprings(LineKind):
         """A coil with rate and free length open; of what can be wound the wire that allows most."""
         if self.make is None:
             return Coil(free_length=None)
-        room, stroke = self.inside(one.room), self.ratio * (one.longest - one.shortest)
-        option = self.make.most_behind(stroke, room, self.ratio * (one.longest - start))[1]
+        room, stroke = self.inside(one.room), one.ratio * (one.longest - one.shortest)
+        option = self.make.most_behind(stroke, room, one.ratio * (one.longest - start))[1]
         return self.make.start(option, float(room[0]))
 
     def _spring(self, name: str, one: Seated, start: float, flat: tuple[Array, Array, float] | None) -> Proposal:
         """A single couple as a spring behind a cable that has length `start`, m, to spare."""
-        run, way = float(one.room[0]), one.way[0]
+        run, way, ratio = float(one.room[0]), one.way[0], float(one.ratio[0])
         free = self.inside(run) / (1 + self.elongation)
         carrier, other = one.bodies
         # A swivel off the plane by its radius lets the cable leave in the plane, square to the coil.
@@ -216,7 +247,7 @@ class CableSprings(LineKind):
             least = None if self.guide == "swivel" else LEAST_WRAP
             limits += (Wrap(name, least, MOST_WRAP, GAP * self.radius),)
         # l - L0 = ratio (d - start) for the free length that the room leaves.
-        path = Cable((anchor, pulley, hook), self.ratio, free - self.ratio * (run + start))
+        path = Cable((anchor, pulley, hook), ratio, free - ratio * (run + start))
         moving: dict[str, tuple[float, float]] = {}
         for number, spots, across in ((1, one.pair[0], np.abs(way) < STRAIGHT), (2, one.pair[1], np.full(3, True))):
             for axis, (low, high), may in zip("xyz", spots.box, across, strict=True):

@@ -30,28 +30,30 @@ Way = tuple[Array, Array]
 class Seated(Lines):
     """Couples of a guide and a hook with the coil behind the guide: room (C,), m, way (C, 3) from guide to far end.
 
-    side (C,) is 1 where the cable turns counter-clockwise at a pulley, about the plane's normal, else -1.
+    side (C,) is 1 where the cable turns counter-clockwise at a pulley, about the plane's normal, else -1; ratio (C,) is
+    that of the tackle.
     """
 
     room: Array
     way: Array
     side: Array
+    ratio: Array
 
     @staticmethod
-    def of(lines: Lines, choices: list[tuple[Indices, Way, Array]]) -> Seated:
-        """Numbers of couples with the ways and sides of all couples, one after the other."""
-        number = np.concatenate([kept for kept, _, _ in choices])
-        room, way, side = (
-            np.concatenate([values[kept] for values, kept in zip(each, (kept for kept, _, _ in choices), strict=True)])
-            for each in zip(*((room, way, side) for _, (room, way), side in choices), strict=True)
+    def of(lines: Lines, choices: list[tuple[Indices, Way, Array, Array]]) -> Seated:
+        """Numbers of couples with the ways, sides and ratios of all couples, one after the other."""
+        numbers = [kept for kept, *_ in choices]
+        room, way, side, ratio = (
+            np.concatenate([values[kept] for values, kept in zip(each, numbers, strict=True)])
+            for each in zip(*((room, way, side, ratio) for _, (room, way), side, ratio in choices), strict=True)
         )
-        one = lines.take(number)
-        return Seated(one.pair, one.form, one.a, one.b, one.shortest, one.longest, room, way, side)
+        one = lines.take(np.concatenate(numbers))
+        return Seated(one.pair, one.form, one.a, one.b, one.shortest, one.longest, room, way, side, ratio)
 
     def take(self, kept: NDArray[np.bool_] | Indices) -> Self:
         """Some of the couples."""
         one = super().take(kept)
-        return replace(one, room=self.room[kept], way=self.way[kept], side=self.side[kept])
+        return replace(one, room=self.room[kept], way=self.way[kept], side=self.side[kept], ratio=self.ratio[kept])
 
 
 def outwards(group: Group, places: Array, given: float | None) -> Way:
