@@ -394,7 +394,9 @@ def test_a_swivel_needs_a_run_that_is_fixed_to_its_body():
     )
     last = eq.Cable((eq.Point("world"), eq.Swivel("upper", (0.1, 0, 0.1))))
     # Its length follows no single distance.
-    assert eq.Cable((eq.Point("world"), fixed, hook)).run(at(mech, [0.1, 0.2])) is None
+    assert (
+        eq.Cable((eq.Point("world"), eq.Swivel("world", (0.1, 0, 0.1), 0.02), hook)).run(at(mech, [0.1, 0.2])) is None
+    )
     for path, words in ((moving, "no line to swivel about"), (beside, "beside another"), (last, "ends on a pulley")):
         with pytest.raises(eq.InputError, match=words):
             path.check(mech, "s")
