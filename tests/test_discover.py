@@ -430,6 +430,22 @@ def test_refinement_and_the_winder_keep_the_cable_on_its_side(tmp_path):
         assert eq.verify(design, poses=500).verification.agrees
 
 
+def test_a_swivel_leads_a_cable_through_a_full_turn():
+    """One link that turns all the way round is balanced by a coil behind a swivelling pulley, to rounding."""
+    mech = eq.chain([eq.Link("link", length=0.5, mass=3.0)])
+    kind = eq.CableSprings(radius=0.015, guide="swivel", ratio=0.5, rooms={"world": 0.5})
+    request = eq.Discover(1, kinds=(kind,), candidates=400, contenders=1, poses=100)
+    sweep, aim = eq.Sweep.sobol(mech, 64), eq.Aim(norm="peak")
+    front = eq.discover(mech, sweep, request, objective=aim)
+    (design,) = front.designs
+    assert front.values[0] < 0.02 * front.before
+    ((_, wrap, _),) = design.balancers[0].path.embraces(mech.states(eq.Sweep.sobol(mech, 2048)))
+    assert np.degrees(wrap.max()) < 172
+    assert eq.verify(design, poses=500).verification.agrees
+    pulley = replace(request, kinds=(replace(kind, guide="pulley"),))
+    assert "keep to one side" in " ".join(collect(mech, sweep, pulley, aim).refused)
+
+
 def test_a_coil_behind_a_pulley_lies_either_way_along_its_link():
     links = [
         eq.Link("upper", length=0.5, mass=3.0, limits=(-1.2, 1.2)),
