@@ -71,6 +71,22 @@ def test_small_programs_are_solved_as_one_by_one():
             assert corner[k] == pytest.approx(found.x, abs=1e-4)
 
 
+def test_a_program_without_a_step_ends_where_it_is():
+    """A matrix that rounding has spoilt warns of nothing and leaves its neighbours alone."""
+    rng = np.random.default_rng(2)
+    H, q = np.tile(np.eye(3), (3, 1, 1)), rng.normal(size=(3, 3))
+    A, e, price = rng.normal(size=(3, 2, 3)), rng.normal(size=(3, 2)), np.ones(3)
+    low, high = -np.ones((3, 3)), np.ones((3, 3))
+    z, dual = elastic(H, q, A, e, low, high, price)
+    spoilt = H.copy()
+    spoilt[1] = 1e200 * np.array([[1, 2, 3], [2, 1, 4], [3, 4, 1]])
+    beside, pushed = elastic(spoilt, q, A, e, low, high, price)
+    assert np.isfinite(beside).all()
+    assert np.isfinite(pushed).all()
+    assert beside[[0, 2]] == pytest.approx(z[[0, 2]])
+    assert pushed[[0, 2]] == pytest.approx(dual[[0, 2]])
+
+
 def test_rows_that_cannot_be_kept_are_passed_least():
     """Elastic rows against SLSQP with one more variable; multipliers balance the slope, together no more than price."""
     rng = np.random.default_rng(1)
