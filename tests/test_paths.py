@@ -332,6 +332,76 @@ def test_a_cable_s_pulleys_are_saved_up_to_long_arcs(tmp_path):
     assert np.degrees(spring.path.taut(design.states).wrap.max()) > 180
 
 
+@pytest.mark.parametrize(
+    ("at_", "anchor", "hook", "side", "limits", "wraps"),
+    [
+        ((0.1, 0, 0), (-0.4, 0, 0), (0.25, 0, 0), "right", (-115, 23), (-30, 137)),
+        ((0.1, 0, 0), (0.0, 0, 0.5), (0.25, 0, 0), "left", (-115, 23), (-49, 123)),
+        ((0.1, 0, 0), (0.4346, 0, 0.3716), (0.25, 0, 0), "left", (-115, 20), (4.3, 171.5)),
+        ((0.3, 0, 0), (-0.2, 0, 0.02), (0.28, 0, 0), "right", (-168, -12), (117, 176)),
+        ((0.3, 0, 0), (-0.5, 0, 0.01), (0.25, 0, 0), "left", (-168, -12), (188, 244)),
+    ],
+)
+def test_wraps_that_change_a_lot_are_saved_and_their_rate_is_exact(at_, anchor, hook, side, limits, wraps):
+    """Signed wraps from a lifted cable to more than half a turn; MuJoCo's tendon has the same length throughout."""
+    mech = arm()
+    pulley = eq.Pulley("world", at_, 0.015, side, nominal=90 * DEG)
+    path = eq.Cable((eq.Point("world", anchor), pulley, eq.Point("upper", hook)), offset=-0.1)
+    poses = np.column_stack([np.linspace(*limits, 61) * DEG, np.zeros(61)])
+    states, h = at(mech, *poses), 1e-6
+    ((number, wrap, rate),) = path.embraces(states)
+    assert number == 1
+    assert (wrap.min() / DEG, wrap.max() / DEG) == pytest.approx(wraps, abs=1.0)
+    sides = [path.embraces(at(mech, *(poses + np.array([step, 0.0]))))[0][1] for step in (h, -h)]
+    np.testing.assert_allclose(rate, np.column_stack([(sides[0] - sides[1]) / (2 * h), np.zeros(61)]), atol=1e-7)
+    spec = mech.spec.copy()
+    path.install(spec, "s", states)
+    model = spec.compile()
+    data, lengths = mujoco.MjData(model), []
+    for pose in poses:
+        data.qpos[:2] = pose
+        mujoco.mj_forward(model, data)
+        lengths.append(data.ten_length[model.tendon("s_cable").id])
+    np.testing.assert_allclose(lengths, path.taut(states).length, atol=1e-12)
+
+
+def test_a_swivel_follows_the_hook_to_all_sides():
+    """Against the closed form, out of the plane too; square to the run it is a distance but for a constant."""
+    mech, radius = arm(), 0.03
+    poses = np.column_stack([np.linspace(-3.1, 3.1, 40), np.linspace(-2.0, 2.5, 40)])
+    states = at(mech, *poses)
+    for start, hook in (((-0.5, 0.1, 0.2), (0.3, 0.05, 0.1)), ((0.1, 0.4, 0.3), (0.25, 0.0, -0.1))):
+        place = np.array([0.1, radius, 0.3])
+        path = eq.Cable((eq.Point("world", start), eq.Swivel("world", tuple(place), radius), eq.Point("fore", hook)))
+        run = place - start
+        gap = states.point(eq.Point("fore", hook))[0] - place
+        ahead = gap @ run / np.linalg.norm(run)
+        aside = np.sqrt((gap * gap).sum(-1) - ahead**2)
+        free = np.sqrt(ahead**2 + aside**2 - 2 * aside * radius)
+        wrap = np.arctan2(aside - radius, ahead) + np.arctan2(radius, free)
+        np.testing.assert_allclose(path.embraces(states)[0][1], wrap, atol=1e-12)
+        np.testing.assert_allclose(path.deform(states)[0], np.linalg.norm(run) + radius * wrap + free, atol=1e-12)
+    np.testing.assert_allclose(wrap, np.pi / 2, atol=1e-12)
+    distance = np.linalg.norm(gap + np.array([0.0, radius, 0.0]), axis=1)
+    np.testing.assert_allclose(np.ptp(path.deform(states)[0] - distance), 0.0, atol=1e-12)
+
+
+def test_a_swivel_needs_a_run_that_is_fixed_to_its_body():
+    mech, hook = arm(), eq.Point("fore", (0.2, 0, 0))
+    moving = eq.Cable((eq.Point("world", (0.1, 0, 0.3)), eq.Swivel("upper", (0.1, 0, 0.1), 0.02), hook))
+    beside = eq.Cable(
+        (eq.Point("world"), eq.Swivel("world", (0.1, 0, 0.1), 0.02), eq.Pulley("upper", radius=0.1), hook)
+    )
+    last = eq.Cable((eq.Point("world"), eq.Swivel("upper", (0.1, 0, 0.1))))
+    # Its length follows no single distance.
+    assert (
+        eq.Cable((eq.Point("world"), eq.Swivel("world", (0.1, 0, 0.1), 0.02), hook)).run(at(mech, [0.1, 0.2])) is None
+    )
+    for path, words in ((moving, "no line to swivel about"), (beside, "beside another"), (last, "ends on a pulley")):
+        with pytest.raises(eq.InputError, match=words):
+            path.check(mech, "s")
+
+
 def test_files_refuse_cables_that_they_cannot_hold():
     mech = arm()
     through = (

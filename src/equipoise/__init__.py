@@ -25,6 +25,7 @@ _HOME = {
     "Line": "balancers.paths",
     "Cable": "balancers.paths",
     "Pulley": "balancers.paths",
+    "Swivel": "balancers.paths",
     "Angle": "balancers.paths",
     "Absolute": "balancers.paths",
     "FourBar": "balancers.paths",
@@ -91,6 +92,7 @@ _HOME = {
     "Tension": "limits",
     "WindUp": "limits",
     "Transmission": "limits",
+    "Wrap": "limits",
     "Curvature": "limits",
     "Convex": "limits",
     "Length": "limits",
@@ -333,6 +335,7 @@ __all__ = [
     "Stroke",
     "Supply",
     "Sweep",
+    "Swivel",
     "Tension",
     "Tilt",
     "TimePolynomial",
@@ -348,6 +351,7 @@ __all__ = [
     "WindableSpring",
     "Winding",
     "WireMass",
+    "Wrap",
     "ZeroFreeLength",
     "Zone",
     "__version__",
@@ -474,6 +478,7 @@ if TYPE_CHECKING:
         Reel,
         ScotchYoke,
         SliderCrank,
+        Swivel,
         Winding,
     )
     from equipoise.balancers.payload import Adjustment, payload_rule
@@ -538,6 +543,7 @@ if TYPE_CHECKING:
         Tension,
         Transmission,
         WindUp,
+        Wrap,
     )
     from equipoise.machinery import Bearing, BearingForces, Drive, Machine, Supply, bearing_forces, machine
     from equipoise.make import (

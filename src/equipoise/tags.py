@@ -46,6 +46,7 @@ from equipoise.balancers.paths import (
     ScotchYoke,
     Shaft,
     SliderCrank,
+    Swivel,
     Turn,
     Winding,
 )
@@ -82,6 +83,7 @@ from equipoise.limits import (
     Tension,
     Transmission,
     WindUp,
+    Wrap,
 )
 from equipoise.make.requests import MakeArmCam, MakeCam, MakeConstantForceCam, MakeDrum
 from equipoise.mechanism import Mechanism, Point
@@ -155,7 +157,7 @@ PROFILES: dict[str, Callable[..., Any]] = {
     "constant_torque": ConstantTorque,
 }
 STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
-PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
+PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley, "swivel": Swivel}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
     "linear": Linear,
@@ -200,6 +202,7 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "tension": Tension,
     "wind_up": WindUp,
     "transmission": Transmission,
+    "wrap": Wrap,
 }
 KINDS: dict[str, Callable[..., Any]] = {
     "zero_free_length": Ideal,

@@ -89,7 +89,8 @@ def discover(
             raise
         found.stopped = True
     if not found.designs:
-        told = "".join(f"; {note}" for note in dict.fromkeys(found.notes))
+        reasons = (one.reason for one in found.alternatives)
+        told = "".join(f"; {note}" for note in dict.fromkeys((*found.notes, *reasons)))
         raise InfeasibleError(
             f"no subset of the candidates gains anything within the limits{told}",
             where="discover",
