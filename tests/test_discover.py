@@ -18,6 +18,7 @@ from equipoise.discovery.ask import masses, tip
 from equipoise.discovery.collect import collect
 from equipoise.discovery.plain import plain_problem
 from equipoise.discovery.subsets import Search
+from equipoise.discovery.words import next_steps, summary
 from equipoise.errors import InfeasibleError
 from equipoise.problem import load_problem, problem_of
 from equipoise.reporting.front_page import page
@@ -559,6 +560,21 @@ def test_the_report_shows_the_front_what_lost_and_where_to_attach(small):
         assert words in html
     assert max(front.highs) > max(front.values)
     assert "http" not in html.replace("http://www.w3.org", "")
+
+
+def test_next_steps_name_the_folder_and_forces_that_are_out_of_proportion(small, tmp_path):
+    told = " ".join(summary(small, tmp_path / "out").split())
+    assert f"{tmp_path / 'out'}/springs_2/design.json" in told or "DIR" not in told
+    assert "`--out DIR`" not in told
+    mech = small.designs[0].mechanism
+    weight = mech.mass * 9.81
+    point = eq.Point("world", (0.0, 0.0, 0.3))
+    for times in (10, 40):
+        stiff = eq.Spring("s1", eq.Line(point, mech.at("upper", 0.2)), eq.ZeroFreeLength(times * weight / 0.2))
+        design = eq.balance(mech, [stiff], eq.Sweep.sobol(mech, 16))
+        steps = next_steps(replace(small, designs=(design,)))
+        heavy = design.parts()[0]["force"][1] > 20 * weight
+        assert any("times the mechanism's weight" in step for step in steps) == heavy == (times == 40)
 
 
 def test_ctrl_c_returns_what_is_finished():
