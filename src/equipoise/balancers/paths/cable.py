@@ -77,9 +77,13 @@ class Cable(Path):
         return clearances(self._nodes(states))
 
     def rubs(self, states: States) -> tuple[Rub, ...]:
-        """Every sheave by the share of half a turn that the cable wraps; an eye by the angle it turns the cable."""
+        """Every sheave by the share of half a turn that the cable wraps; an eye by the angle it turns the cable.
+
+        The i-th of a tackle's n falls moves by i / n of the cable, half a turn about a sheave each: 1/n + ... + (n-1)/n.
+        """
         cable = self.taut(states)
-        found = []
+        tackle = (1 - abs(float(self.ratio))) / 2
+        found = [Rub("rope", np.full(len(cable.rate), tackle), cable.rate[:, None])] if tackle > 0 else []
         for index in range(1, len(self.through) - 1):
             before, after = cable.direction[:, index - 1], cable.direction[:, index]
             pace = cable.rate[:, None]
