@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, replace
 
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection
+from equipoise.discovery.contest import REACH, Entrant, contested
 from equipoise.discovery.front import BETTER, Alternative
-from equipoise.discovery.making import unweighed, weighed, wound
+from equipoise.discovery.making import unweighed, wound
 from equipoise.discovery.reach import with_extremes
 from equipoise.discovery.refine import Parts, Refined, Refiner, addition, built, judge
 from equipoise.discovery.subsets import Ranked, Subset
-from equipoise.errors import EquipoiseError, InfeasibleError
+from equipoise.errors import EquipoiseError
 from equipoise.objective import Aim
 from equipoise.parts.makeable import Makeable
 from equipoise.scattering import Scatter, tolerance
@@ -65,20 +66,17 @@ def grow(
 def _one(found: Found, collection: Collection, refiner: Refiner, ranked: Ranked, count: int, aim: Aim) -> None:
     """Refine the contenders of one number of springs and keep the best."""
     make = collection.request.make
-    tried: list[tuple[tuple[str, ...], Refined]] = []
-    for subset, shares in _contenders(collection, ranked, aim.norm):
-        parts = Parts.of(
-            [collection.propose(i, k, share) for k, (i, share) in enumerate(zip(subset, shares, strict=True), 1)]
+    entrants = [
+        Entrant(
+            collection.dictionary.places(subset),
+            Parts.of(
+                [collection.propose(i, k, share) for k, (i, share) in enumerate(zip(subset, shares, strict=True), 1)]
+            ),
         )
-        _try(refiner, parts, collection.dictionary.places(subset), tried, make)
-    before = found.refined
-    if before is not None and len(before.parts.balancers) == count - 1:
-        there = unweighed(before)
-        joined = addition(collection, refiner.refine(replace(there, free={})))
-        if joined is not None:
-            index, share = joined
-            parts = there.with_one(collection.propose(index, count, share))
-            _try(refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), tried, make)
+        for subset, shares in _contenders(collection, ranked, aim.norm)
+    ]
+    entrants += _extended(collection, refiner, found.refined, count)
+    tried = contested(refiner, entrants, make)
     sound = [(places, one) for places, one in tried if one.excess <= EXCESS]
     if aim.judged == "band":
         sound = _by_band(found, refiner, count, sound)
@@ -97,7 +95,7 @@ def _one(found: Found, collection: Collection, refiner: Refiner, ranked: Ranked,
     for places, one in sound[1:]:
         if one.value > alike:
             reached = best.value if best.value > NOTHING * refiner.bare else 0.0
-            worse = f"refined as the winner was, which reached {reached:.3g}"
+            worse = f"refined as far as it promised, where the winner reached {reached:.3g}"
         elif one.energy > best.energy * (1 + ALIKE):
             worse = f"as good, but it stores {one.energy:.3g} J against {best.energy:.3g} J"
         else:
@@ -105,7 +103,8 @@ def _one(found: Found, collection: Collection, refiner: Refiner, ranked: Ranked,
         found.alternatives.append(Alternative(count, places, one.value, worse))
     found.refined = found.made = best
     if make is not None:
-        found.refined, found.made = _made(found, refiner, [one for _, one in sound[:WOUND]], make)
+        near = [one for _, one in sound[:WOUND] if one.value <= (1 + REACH) * best.value]
+        found.refined, found.made = _made(found, refiner, near, make)
 
 
 def _by_band(
@@ -141,18 +140,17 @@ def _made(
     return best
 
 
-def _try(
-    refiner: Refiner,
-    parts: Parts,
-    places: tuple[str, ...],
-    tried: list[tuple[tuple[str, ...], Refined]],
-    make: Makeable | None,
-) -> None:
-    try:
-        found = refiner.refine(parts)
-        tried.append((places, found if make is None else weighed(refiner, found, make)))
-    except InfeasibleError:
-        return
+def _extended(collection: Collection, refiner: Refiner, before: Refined | None, count: int) -> list[Entrant]:
+    """The refined parts with one less, with the candidate that best joins them; none where nothing does."""
+    if before is None or len(before.parts.balancers) != count - 1:
+        return []
+    there = unweighed(before)
+    joined = addition(collection, refiner.refine(replace(there, free={})))
+    if joined is None:
+        return []
+    index, share = joined
+    places = (f"the best with {count - 1}", *collection.dictionary.places((index,)))
+    return [Entrant(places, there.with_one(collection.propose(index, count, share)))]
 
 
 def _contenders(collection: Collection, ranked: Ranked, norm: Norm) -> list[tuple[Subset, tuple[float, ...]]]:
