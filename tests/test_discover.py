@@ -358,6 +358,30 @@ def test_a_cable_over_a_guide_realises_zero_free_length_in_the_room_of_a_link():
     assert eq.verify(design, poses=200).verification.agrees
 
 
+def test_the_fewest_falls_behind_which_a_spring_reaches_zero_free_length():
+    mech = arm()
+    kind = eq.CableSprings(elongation=1.0, ratio=(0.25, 1.0, 0.5), room=0.4, fittings=0.0)
+    request = eq.Discover(kinds=(kind,), pairs=((mech.bodies[0], "upper"), (mech.bodies[0], "fore")), candidates=400)
+    found = collect(mech, eq.Sweep.sobol(mech, 64), request, eq.Aim(norm="rms"))
+    states, extension = found.scene.states, 0.2
+    chosen = set()
+    for index in range(0, len(found.dictionary), max(1, len(found.dictionary) // 60)):
+        path = found.propose(index, 1).balancer.path
+        guide, hook = (states.point(point)[0] for point in (path.through[1].centre, path.through[2]))
+        longest = np.linalg.norm(hook - guide, axis=-1).max()
+        fits = [ratio for ratio in (1.0, 0.5, 0.25) if ratio * longest <= extension]
+        assert path.ratio == (fits or [0.25])[0]
+        chosen.add(path.ratio)
+    assert len(chosen) > 1
+
+
+def test_ratios_of_a_cable_that_are_no_tackle():
+    with pytest.raises(eq.InputError, match=r"ratio is -0\.5"):
+        eq.CableSprings(ratio=(1.0, -0.5))
+    with pytest.raises(eq.InputError, match="no ratio"):
+        eq.CableSprings(ratio=())
+
+
 def test_springs_that_gain_nothing_are_said_to():
     """Between upper arm and forearm no ideal spring lowers a peak that the shoulder alone holds."""
     mech = arm()
@@ -382,6 +406,45 @@ def test_a_pulley_with_a_radius_keeps_the_cable_on_one_side():
         wrap = path.taut(states).wrap[:, 1]
         assert wrap.min() > 0
         assert path.through[1].radius == 0.02
+
+
+def test_refinement_and_the_winder_keep_the_cable_on_its_side(tmp_path):
+    """The limit `wrap` holds over the sweep, between its samples, and in the saved file."""
+    links = [
+        eq.Link("upper", length=0.5, mass=3.0, limits=(-1.2, 1.2)),
+        eq.Link("fore", length=0.4, mass=2.0, limits=(0.3, 1.6)),
+    ]
+    mech = eq.chain(links)
+    kind = eq.CableSprings(radius=0.02, ratio=0.5, rooms={"world": 0.5})
+    for make in (None, eq.Makeable(grade="SH", parallel=2, width=0.05)):
+        request = eq.Discover(1, kinds=(kind,), candidates=400, contenders=1, poses=100, make=make)
+        (design,) = eq.discover(mech, eq.Sweep.sobol(mech, 64), request, objective=eq.Aim(norm="peak")).designs
+        assert eq.Wrap("s1", min=0.1, max=3.0, gap=0.02) in design.limits
+        dense = mech.states(eq.Sweep.sobol(mech, 4096))
+        ((_, wrap, _),) = design.balancers[0].path.embraces(dense)
+        assert wrap.min() > 0.1 - 1e-3
+        assert wrap.max() < 3.0 + 1e-3
+        # The poses at which it is extreme are among those that the design was shaped over.
+        ((_, kept, _),) = design.balancers[0].path.embraces(design.states)
+        assert (kept.min(), kept.max()) == pytest.approx((wrap.min(), wrap.max()), abs=2e-3)
+        assert eq.verify(design, poses=500).verification.agrees
+
+
+def test_a_coil_behind_a_pulley_lies_either_way_along_its_link():
+    links = [
+        eq.Link("upper", length=0.5, mass=3.0, limits=(-1.2, 1.2)),
+        eq.Link("fore", length=0.4, mass=2.0, limits=(0.3, 1.6)),
+    ]
+    mech = eq.chain(links)
+    sweep, kind = eq.Sweep.sobol(mech, 64), eq.CableSprings(elongation=1.5, radius=0.02, rooms={"upper": 0.4})
+    for pair, ways in ((("upper", "fore"), 4), (("fore", "upper"), 2)):
+        request = eq.Discover(kinds=(replace(kind, room=0.4),), pairs=(pair,), candidates=900)
+        found = collect(mech, sweep, request, eq.Aim(norm="rms"))
+        through = [found.propose(index, 1).balancer.path.through for index in range(len(found.dictionary))]
+        seen = {
+            tuple(np.round((np.array(one[0].at) - one[1].at) / 0.4, 6)) for one in through if one[0].body == pair[0]
+        }
+        assert 1 < len(seen) <= ways
 
 
 @pytest.fixture(scope="module")

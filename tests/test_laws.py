@@ -369,7 +369,10 @@ LIMITS = {
     "curvature": lambda: eq.Curvature("b", (0.1, 0.9), max=50.0),
     "convex": lambda: eq.Convex("b", (0.1, 0.9), radius=0.2),
     "exact_at": lambda: eq.ExactAt(({"boom_joint": 0.3},), joints=("boom_joint",)),
+    "wrap": lambda: eq.Wrap("b", min=0.1, max=2.0, gap=0.01),
 }
+LIMITED_ON = {"wrap": ("planar", "cable_pulley", "b.path.through.5.x")}
+"""Mechanism, path and freed number of limits that do not belong to straight lines."""
 
 
 LIMITED = {
@@ -383,14 +386,15 @@ LIMITED = {
 @pytest.mark.parametrize("limit", LIMITS)
 def test_limits_answer_rows_that_follow_the_geometry(posed, limit, law):
     """Rows are finite, as many as their right sides, and their complex-step slope is that of differences."""
-    mech, states, _, _ = posed["spatial"]
-    part = eq.Spring("b", PATHS["between"](mech), LIMITED[law])
+    home, path, name = LIMITED_ON.get(limit, ("spatial", "between", "b.path.line.1.x"))
+    mech, states, _, _ = posed[home]
+    part = eq.Spring("b", EVERY_PATH[path](mech), LIMITED[law])
     curved = law == "gas" and limit in ("force_over", "slope", "curvature", "convex")
     if curved or (law != "coil" and limit in ("elongation", "extension", "spring_index")):
         with pytest.raises(eq.InputError, match=r"is no (polynomial|coil)|has no rate"):
             LIMITS[limit]().rows(Setting({"b": part}, states, lambda poses: effort(mech, [part], states)))
         return
-    name, h = "b.path.line.1.x", 1e-6
+    h = 1e-6
     here = read([part], name)
 
     def rows(balancers):

@@ -332,6 +332,39 @@ def test_a_cable_s_pulleys_are_saved_up_to_long_arcs(tmp_path):
     assert np.degrees(spring.path.taut(design.states).wrap.max()) > 180
 
 
+@pytest.mark.parametrize(
+    ("at_", "anchor", "hook", "side", "limits", "wraps"),
+    [
+        ((0.1, 0, 0), (-0.4, 0, 0), (0.25, 0, 0), "right", (-115, 23), (-30, 137)),
+        ((0.1, 0, 0), (0.0, 0, 0.5), (0.25, 0, 0), "left", (-115, 23), (-49, 123)),
+        ((0.1, 0, 0), (0.4346, 0, 0.3716), (0.25, 0, 0), "left", (-115, 20), (4.3, 171.5)),
+        ((0.3, 0, 0), (-0.2, 0, 0.02), (0.28, 0, 0), "right", (-168, -12), (117, 176)),
+        ((0.3, 0, 0), (-0.5, 0, 0.01), (0.25, 0, 0), "left", (-168, -12), (188, 244)),
+    ],
+)
+def test_wraps_that_change_a_lot_are_saved_and_their_rate_is_exact(at_, anchor, hook, side, limits, wraps):
+    """Signed wraps from a lifted cable to more than half a turn; MuJoCo's tendon has the same length throughout."""
+    mech = arm()
+    pulley = eq.Pulley("world", at_, 0.015, side, nominal=90 * DEG)
+    path = eq.Cable((eq.Point("world", anchor), pulley, eq.Point("upper", hook)), offset=-0.1)
+    poses = np.column_stack([np.linspace(*limits, 61) * DEG, np.zeros(61)])
+    states, h = at(mech, *poses), 1e-6
+    ((number, wrap, rate),) = path.embraces(states)
+    assert number == 1
+    assert (wrap.min() / DEG, wrap.max() / DEG) == pytest.approx(wraps, abs=1.0)
+    sides = [path.embraces(at(mech, *(poses + np.array([step, 0.0]))))[0][1] for step in (h, -h)]
+    np.testing.assert_allclose(rate, np.column_stack([(sides[0] - sides[1]) / (2 * h), np.zeros(61)]), atol=1e-7)
+    spec = mech.spec.copy()
+    path.install(spec, "s", states)
+    model = spec.compile()
+    data, lengths = mujoco.MjData(model), []
+    for pose in poses:
+        data.qpos[:2] = pose
+        mujoco.mj_forward(model, data)
+        lengths.append(data.ten_length[model.tendon("s_cable").id])
+    np.testing.assert_allclose(lengths, path.taut(states).length, atol=1e-12)
+
+
 def test_files_refuse_cables_that_they_cannot_hold():
     mech = arm()
     through = (

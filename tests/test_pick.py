@@ -248,6 +248,7 @@ def test_pick_puts_the_best_part_in_place(arm, stock):
     assert len(choice.tried) == 2
     assert choice.json()["candidates"] == 2 * len(grid.catalogue())
     assert choice.order in str(picked)
+    assert type(choice).read(choice.json()) == choice
     assert eq.verify(made, poses=100).verification.agrees
     low, high = made.balancers[0].law.span
     length = made.parts()[0]["length"]
@@ -263,7 +264,7 @@ def test_the_last_choice_is_by_the_band_where_it_judges(arm):
     picked = eq.pick(design, eq.Pick(grid=grid, keep=2), scatter=eq.Scatter(anchor=4e-3))
     tried = picked.choices[0].tried
     assert [one.high for one in tried] == sorted(one.high for one in tried)
-    assert tried[0].line is picked.choices[0].line
+    assert tried[0] is picked.choices[0].taken
     again = eq.tolerance(picked.design, eq.Scatter(anchor=4e-3))
     assert tried[0].high == pytest.approx(again.band.high, rel=1e-9)
     assert all(one.high > one.value for one in tried)
@@ -320,6 +321,8 @@ def test_design_picks_where_the_file_asks(problem, tmp_path, capsys):
     assert "Candidates tried" in page
     assert "taken</td>" in page
     assert main(["verify", str(tmp_path / "out" / "design.json")]) == 0
+    assert main(["report", str(tmp_path / "out" / "design.json"), "--out", str(tmp_path / "again")]) == 0
+    assert "taken</td>" in (tmp_path / "again" / "report.html").read_text()
 
 
 def test_survey_command_resumes(problem, tmp_path, capsys):

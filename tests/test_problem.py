@@ -113,6 +113,16 @@ def test_texts_that_pint_would_evaluate_are_refused_at_once():
     assert to_si("-30°", "rad") == pytest.approx(-math.pi / 6)
 
 
+def test_a_number_without_unit_may_be_a_share():
+    assert to_si("1/3", "") == 1 / 3
+    assert to_si("-2 / 4", "") == -0.5
+    for text in ("1/0", "1/00", "1/", "1/2/3", "1/-2", "1/" + "9" * 12):
+        with pytest.raises(EquipoiseError):
+            to_si(text, "")
+    with pytest.raises(EquipoiseError):
+        to_si("1/3", "m")
+
+
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_schema_accepts_the_examples_and_refuses_what_the_reader_refuses(path):
     validator = jsonschema.Draft202012Validator(schema())

@@ -91,6 +91,7 @@ _HOME = {
     "Tension": "limits",
     "WindUp": "limits",
     "Transmission": "limits",
+    "Wrap": "limits",
     "Curvature": "limits",
     "Convex": "limits",
     "Length": "limits",
@@ -348,6 +349,7 @@ __all__ = [
     "WindableSpring",
     "Winding",
     "WireMass",
+    "Wrap",
     "ZeroFreeLength",
     "Zone",
     "__version__",
@@ -538,6 +540,7 @@ if TYPE_CHECKING:
         Tension,
         Transmission,
         WindUp,
+        Wrap,
     )
     from equipoise.machinery import Bearing, BearingForces, Drive, Machine, Supply, bearing_forces, machine
     from equipoise.make import (

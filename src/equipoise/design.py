@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -25,11 +25,12 @@ from equipoise.sweep import Sweep
 
 if TYPE_CHECKING:
     from equipoise.cables.behaviour import Behaviour
+    from equipoise.discovery.alternative import Alternative
     from equipoise.machinery import Machine
     from equipoise.make.synthesis import Part as MadePart
+    from equipoise.parts.choice import Choice
     from equipoise.rubbing import DeadBand
     from equipoise.scattering import Tolerance
-    from equipoise.verbs.pick import Choice
     from equipoise.verbs.place import Placed
     from equipoise.verification.findings import Verification
 
@@ -43,8 +44,8 @@ class Design:
     whose poses were found between the samples; problem is the file it came from, where there was one; settings say
     what is adjusted from case to case, where a design serves several; places are where springs were put among equals;
     cables says how a cable platform behaves with its springs, made are the cams and drums cut for them; tolerance says
-    how it scatters when parts are as they come, dead_band what friction covers, choices which parts were picked;
-    friction are the coefficients of what rubs.
+    how it scatters when parts are as they come, dead_band what friction covers, choices which parts were picked,
+    alternatives what a discovery considered in its place; friction are the coefficients of what rubs.
     """
 
     mechanism: Mechanism
@@ -71,6 +72,7 @@ class Design:
     tolerance: Tolerance | None = None
     dead_band: DeadBand | None = None
     choices: tuple[Choice, ...] = ()
+    alternatives: tuple[Alternative, ...] = ()
     friction: Friction = field(default_factory=Friction)
 
     @property
@@ -115,6 +117,10 @@ class Design:
             return float({"peak": values.max, "rms": lambda: np.linalg.norm(values), "mean": values.sum}[aim.norm]())
 
         return norm(self.after) / (norm(self.before) if aim.divisor == "before" else 1.0)
+
+    def bare(self, aim: Aim) -> float:
+        """The value of an aim's norm without balancers, in its unit."""
+        return replace(self, after=self.before).reached(aim)
 
     @property
     def judged(self) -> float:
@@ -208,6 +214,7 @@ class Design:
             "tolerance": self.tolerance.json() if self.tolerance else None,
             "dead_band": self.dead_band.json() if self.dead_band else None,
             "choices": [choice.json() for choice in self.choices],
+            "alternatives": [one.json() for one in self.alternatives],
             "cite": self.cite(),
         }
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,10 +15,12 @@ from equipoise.affine import merge_unknowns
 from equipoise.assemble import Balancer, account
 from equipoise.certificate import Active, Certificate
 from equipoise.design import Design
+from equipoise.discovery.alternative import Alternative
 from equipoise.errors import ProblemError
 from equipoise.floors import Floor
 from equipoise.mechanism import Mechanism
 from equipoise.parameters import unit_of, write
+from equipoise.parts.choice import Choice
 from equipoise.problem import Problem, problem_of
 from equipoise.steepness import Account
 from equipoise.sweep import Sweep
@@ -28,6 +30,8 @@ from equipoise.yamlfile import Document
 
 MAX_BYTES = 64 * 1024 * 1024
 CHANGED = 1e-6
+
+T = TypeVar("T")
 
 
 def with_problem(design: Design, problem: Problem, out: Path | None) -> Design:
@@ -89,6 +93,8 @@ def load_design(path: Path) -> tuple[Problem, Design, tuple[str, ...]]:
         refined=int(data.get("refined") or 0),
         problem=record,
         places=places,
+        choices=_kept(data, "choices", Choice.read, name),
+        alternatives=_kept(data, "alternatives", Alternative.read, name),
         friction=problem.content.friction,
     )
     return problem, design, tuple(_changes(design, data))
@@ -100,6 +106,14 @@ def _places(data: Mapping[str, Any], name: str) -> dict[str, Placed]:
         return {spring: Placed(**entry) for spring, entry in (data.get("places") or {}).items()}
     except (AttributeError, TypeError):
         raise ProblemError("the places of springs are incomplete", where=f"{name}, places") from None
+
+
+def _kept(data: Mapping[str, Any], key: str, read: Callable[[Mapping[str, Any]], T], name: str) -> tuple[T, ...]:
+    """What the file tells of how the design came about, which its problem does not."""
+    try:
+        return tuple(read(entry) for entry in data.get(key) or ())
+    except (AttributeError, KeyError, TypeError):
+        raise ProblemError("an entry is incomplete", where=f"{name}, {key}") from None
 
 
 def _case(problem: Problem, record: Mapping[str, Any], name: str) -> tuple[Mechanism, Sweep]:

@@ -82,6 +82,7 @@ from equipoise.limits import (
     Tension,
     Transmission,
     WindUp,
+    Wrap,
 )
 from equipoise.make.requests import MakeArmCam, MakeCam, MakeConstantForceCam, MakeDrum
 from equipoise.mechanism import Mechanism, Point
@@ -200,6 +201,7 @@ LIMITS: dict[str, Callable[..., Any]] = {
     "tension": Tension,
     "wind_up": WindUp,
     "transmission": Transmission,
+    "wrap": Wrap,
 }
 KINDS: dict[str, Callable[..., Any]] = {
     "zero_free_length": Ideal,

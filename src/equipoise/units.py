@@ -64,6 +64,7 @@ _QUANTITY = re.compile(
     r"[-+]?\s*+(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?"
     r"(?:\s*+[/*]?+\s*+[^\W\d_]++|\s*+[%°]|(?<=[^\W\d_])(?:\^|\*\*)-?\d(?!\d))*+"
 )
+_SHARE = re.compile(r"[-+]?\d{1,9}\s*/\s*0*[1-9]\d{0,8}")
 _NM = re.compile(r"\bNm\b|(?<=\d)Nm\b")
 
 
@@ -75,7 +76,7 @@ def _registry() -> Any:
 
 
 def to_si(value: Any, unit: str, where: str = "") -> float:
-    """Turn a bare number (already SI) or text such as `12 kg` into a float in `unit`.
+    """Turn a bare number (already SI) or text such as `12 kg` into a float in `unit`; without a unit also `1/3`.
 
     unit may name several, `rad or m`: text then answers a `Measured` in the one that fits.
     Raises InputError for text pint cannot read, a unit of another dimension, NaN or infinity.
@@ -99,6 +100,9 @@ def _parse(text: str, unit: str, where: str) -> float:
     unreadable = InputError(
         f"cannot read {text[:64]!r} as a quantity in {unit or 'no unit'}", where=where, hint=example
     )
+    if not unit and _SHARE.fullmatch(text.strip()):
+        above, below = text.split("/")
+        return float(above) / float(below)
     if len(text) > 64 or not _QUANTITY.fullmatch(text.strip()):
         raise unreadable
     try:

@@ -80,7 +80,7 @@ def with_parts(found: Design, problem: Problem, request: Pick, json: bool, out: 
     with staging(out) as stage:
         assert stage is not None
         write_problem(real, stage / FILE)
-        for choice in chosen.choices:
-            (stage / f"candidates_{choice.spring}.csv").write_text(choice.ranking.table(), encoding="utf-8")
+        for spring, ranking in chosen.rankings.items():
+            (stage / f"candidates_{spring}.csv").write_text(ranking.table(), encoding="utf-8")
     say(f"{chosen}\n")
     return reported(chosen.design, real, json, out, stopped=False)

@@ -1,53 +1,157 @@
-"""Contenders against each other: all refined roughly, those within reach of the best to the end."""
+"""The contest for one number of parts: who stands for it, who wins, and what the others lost by."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
-from equipoise.discovery.making import PRICE, weighed
+from equipoise.discovery.alternative import Alternative
+from equipoise.discovery.making import wound
 from equipoise.discovery.refine import Parts, Refined, Refiner
-from equipoise.errors import InfeasibleError
+from equipoise.errors import EquipoiseError
+from equipoise.objective import leading
 from equipoise.parts.makeable import Makeable
+from equipoise.peaks import STARTS
+from equipoise.scattering import Scatter, tolerance
+from equipoise.solve.exchange import solve
+from equipoise.sweep import Sweep
+from equipoise.tasks import Task, certify, finish
+from equipoise.tasks.between import between
+from equipoise.tasks.task import Balanced
+from equipoise.units import text
+from equipoise.verbs.shape import load_of
 
-ROUGH, CLOSER = 0.03, 0.01
-"""Share of the value that a few steps must gain for a contender to go on: still without, and with its own mass."""
+EXCESS = 1e-5
+"""Relative excess of a limit above which a choice is no design."""
+NOTHING = 1e-6
+"""Share of the bare value below which nothing is left."""
+BRIEFLY = 10_000
+"""Specimens by which contenders are judged."""
+WOUND = 2
+"""Refined choices per number of springs that are wound, where that is asked for, if they are within reach."""
 REACH = 0.2
-"""Share by which a roughly refined contender may be worse than the best and still be refined to the end."""
-
-Tried = tuple[tuple[str, ...], Refined]
-"""Where a contender's parts are, and what became of them."""
+"""Share by which a choice may be worse than the best and still be taken further."""
+ALIKE = 0.01
+"""Share by which values may differ and still be called alike; the stored energy then decides."""
+ELASTIC = 30.0
+"""What a limit that is not kept costs, per unit of relative excess, in units of the load."""
 
 
 @dataclass(frozen=True, eq=False)
-class Entrant:
-    """Parts that may win, and the places at which they are."""
+class Contender:
+    """A choice of candidates: where they are, what refinement made of them, and, where they were wound, what before."""
 
     places: tuple[str, ...]
-    parts: Parts
+    refined: Refined
+    unwound: Refined | None = None
 
 
-def contested(refiner: Refiner, entrants: Sequence[Entrant], make: Makeable | None) -> list[Tried]:
-    """All entrants that can keep the limits' own geometry, refined as far as they promise, in their order.
+@dataclass(eq=False)
+class Contest:
+    """Contenders over the refinement's few poses, judged by the objective's value, or its band, under a scatter."""
 
-    A descent gains most in its first steps; the rest of them, a few per cent, is worth its time only where the
-    contender may still win.
-    """
-    tried: list[Tried] = []
-    for entrant in entrants:
+    refiner: Refiner
+    scatter: Scatter
+    sweep: Sweep
+    lost: list[Alternative] = field(default_factory=list)
+
+    @property
+    def banded(self) -> bool:
+        """Whether the 95 % value judges."""
+        return leading(self.refiner.objective).judged == "band"
+
+    def lose(self, contender: Contender, reason: str) -> None:
+        """Tell what a contender reaches over the whole sweep, and why it lost all the same."""
+        refined = contender.refined
+        value, excess = self._whole(refined.parts)
+        if excess > EXCESS >= refined.excess:
+            reason += f"; over all poses it breaks a limit by {100 * excess:.2g} %"
+        self.lost.append(Alternative(len(refined.parts.balancers), contender.places, value, reason))
+
+    def winner(self, tried: Sequence[Contender], make: Makeable | None) -> Contender | None:
+        """The best of refined contenders that keep their limits, wound where that is asked for; else nothing."""
+        ranked = self._ranked([one for one in map(self._judged, tried) if one is not None])
+        if make is None:
+            return self._best(ranked)
+        near = [one for one in ranked[:WOUND] if one.refined.value <= (1 + REACH) * self._level(ranked)]
+        for one in ranked[len(near) :]:
+            self.lose(one, f"{self._against(one, ranked[0])}, and so was not wound")
+        made = [one for one in (self._wound(contender, make) for contender in near) if one is not None]
+        return self._best(sorted(made, key=lambda one: one.refined.value))
+
+    def _whole(self, parts: Parts) -> tuple[float, float]:
+        """The value of parts over the whole sweep where they stand, and the excess of a limit."""
+        task = replace(self.refiner.task(parts), sweep=self.sweep)
+        found = _elastic(task)
+        if self.banded:
+            # A band is read at the design's own states, of which the highest lie between the samples.
+            higher = between(task, found.states, found.program, found.solution, STARTS)
+            found = _elastic(replace(task, sweep=self.sweep.extended(higher))) if len(higher) else found
+        design = finish(found, certify(found))
+        if self.banded:
+            design = replace(design, tolerance=tolerance(design, self.scatter, samples=BRIEFLY))
+        return design.judged, found.solution.excess
+
+    def _judged(self, one: Contender) -> Contender | None:
+        """The contender with the value that judges it; nothing where it breaks a limit."""
+        if one.refined.excess > EXCESS:
+            rounded = "" if one.unwound is None else "wound to round sizes "
+            self.lose(one, f"{rounded}it breaks a limit by {100 * one.refined.excess:.2g} %")
+            return None
+        if not self.banded:
+            return one
         try:
-            tried.append((entrant.places, _roughly(refiner, entrant.parts, make)))
-        except InfeasibleError:
-            continue
-    cost = [one.value + PRICE * refiner.bare * one.excess for _, one in tried]
-    near = (1 + REACH) * min(cost, default=0.0)
-    return [
-        (places, refiner.refine(one.parts) if paid <= near and one.parts.free else one)
-        for (places, one), paid in zip(tried, cost, strict=True)
-    ]
+            return replace(one, refined=self.refiner.banded(one.refined, self.scatter, BRIEFLY))
+        except EquipoiseError as error:
+            self.lose(one, error.message)
+            return None
+
+    def _wound(self, one: Contender, make: Makeable) -> Contender | None:
+        """The contender with springs of round sizes; nothing where they cannot be wound."""
+        try:
+            made = wound(self.refiner, one.refined, make)
+        except EquipoiseError as error:
+            self.lose(one, error.message)
+            return None
+        return self._judged(Contender(one.places, made, one.refined))
+
+    def _ranked(self, sound: Sequence[Contender]) -> list[Contender]:
+        """Contenders in order: those as good as the best first, by what they store."""
+        level = self._level(sound)
+        return sorted(sound, key=lambda one: (one.refined.value > level, one.refined.energy))
+
+    def _level(self, sound: Sequence[Contender]) -> float:
+        """The value up to which contenders are alike."""
+        least = min((one.refined.value for one in sound), default=0.0)
+        return max(least * (1 + ALIKE), NOTHING * self.refiner.bare)
+
+    def _best(self, ranked: Sequence[Contender]) -> Contender | None:
+        """The first of ranked contenders, to whom the others lose; nothing of none."""
+        if not ranked:
+            return None
+        best, level = ranked[0], self._level(ranked)
+        for one in ranked[1:]:
+            mine, least = one.refined.energy, best.refined.energy
+            if one.refined.value > level:
+                self.lose(one, self._against(one, best))
+            elif mine > least * (1 + ALIKE):
+                self.lose(one, f"as good, but it stores {mine:.3g} J against {least:.3g} J")
+            else:
+                self.lose(one, "as good: the search came to the same at another place")
+        return best
+
+    def _against(self, one: Contender, best: Contender) -> str:
+        """What a contender came to over the refinement's poses, beside what won there."""
+        unit = leading(self.refiner.objective).unit(self.refiner.mechanism)
+        mine, won = (
+            text(value if value > NOTHING * self.refiner.bare else 0.0, unit, 3)
+            for value in (one.refined.value, best.refined.value)
+        )
+        return f"refined as far as it promised it came to {mine}, the winner to {won}"
 
 
-def _roughly(refiner: Refiner, parts: Parts, make: Makeable | None) -> Refined:
-    if make is None:
-        return refiner.refine(parts, CLOSER)
-    return weighed(refiner, refiner.refine(parts, ROUGH), make, CLOSER)
+def _elastic(task: Task) -> Balanced:
+    """A task solved at its geometry, limits exceeded where they cannot be kept."""
+    states = task.mechanism.states(task.sweep)
+    solution = solve(task.program(states), elastic=ELASTIC * load_of(task, states))
+    return Balanced(task, states, solution.program, solution, 0)

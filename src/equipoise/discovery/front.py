@@ -8,6 +8,7 @@ from typing import Any
 
 from equipoise.affine import Array, Block
 from equipoise.design import Design
+from equipoise.discovery.alternative import Alternative
 from equipoise.discovery.collect import Collection
 from equipoise.interference.findings import Clash
 from equipoise.objective import Aim
@@ -18,16 +19,6 @@ from equipoise.verbs.analyze import table
 BETTER = 5e-3
 """Share by which a further part must lower the objective to be worth a place on the front."""
 FAINT = 1e-9
-
-
-@dataclass(frozen=True)
-class Alternative:
-    """A choice that was considered: how many parts, where, its value in the objective, and why it lost."""
-
-    springs: int
-    places: tuple[str, ...]
-    value: float
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -44,8 +35,8 @@ class Bound:
 class Discovery:
     """Designs in order of their number of parts, each better than the one before.
 
-    before is the objective without parts; alternatives are choices that lost; bounds the floors; candidates, poses,
-    rank, lost, spacing (m) and margin (m) describe the dictionary, refused {reason: count} what its filters removed;
+    before is the objective without parts; bounds the floors; candidates, poses, rank, lost, spacing (m) and margin (m)
+    describe the dictionary, refused {reason: count} what its filters removed;
     notes say how the search went, clashes what the springs of each design run into;
     stopped says that Ctrl-C cut the search short.
     """
@@ -54,7 +45,6 @@ class Discovery:
     aim: Aim
     unit: str
     before: float
-    alternatives: tuple[Alternative, ...]
     bounds: tuple[Bound, ...]
     candidates: int
     poses: int
@@ -74,6 +64,11 @@ class Discovery:
         """The 95 % value of every design's band; nothing where bands are not known."""
         bands = [design.tolerance.band for design in self.designs if design.tolerance is not None]
         return tuple(band.high for band in bands) if len(bands) == len(self.designs) else ()
+
+    @property
+    def alternatives(self) -> tuple[Alternative, ...]:
+        """The choices that lost, which the designs hold."""
+        return tuple(one for design in self.designs for one in design.alternatives)
 
     @property
     def recommended(self) -> int:
@@ -105,7 +100,6 @@ class Discovery:
             "judged": self.aim.judged,
             "masses": [design.added_mass for design in self.designs],
             "floors": [vars(bound) for bound in self.bounds],
-            "alternatives": [vars(one) | {"places": list(one.places)} for one in self.alternatives],
             "dictionary": {
                 "candidates": self.candidates,
                 "poses": self.poses,

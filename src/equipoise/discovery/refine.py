@@ -189,6 +189,7 @@ class Refiner:
             parts=refined.parts.at(design.geometry),
             geometry=design.geometry,
             theta=np.array(list(design.values.values())),
+            values=design.values,
             value=tolerance(design, scatter, samples=samples).band.high,
         )
 

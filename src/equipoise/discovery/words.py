@@ -5,10 +5,13 @@ from __future__ import annotations
 from equipoise.balancers.laws import ZeroFreeLength
 from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
-from equipoise.discovery.front import Alternative, Bound, Discovery
+from equipoise.design import Design
+from equipoise.discovery.alternative import Alternative
+from equipoise.discovery.front import Bound, Discovery
 from equipoise.interference.findings import clash_words
 from equipoise.parts import Part
 from equipoise.reporting import limitwords, phrases
+from equipoise.reporting.alternatives import meaning, reached_words
 from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
 from equipoise.reporting.numbers import percent, plain, quantity, shown, sig
 from equipoise.reporting.tolerance import tolerance_words
@@ -137,13 +140,7 @@ def _looked(front: Discovery) -> list[tuple[str, str]]:
     removed = [f"{count} ({reason})" for reason, count in front.refused.items() if count]
     lines = [("looked at", words), *([("left out", ", ".join(removed))] if removed else [])]
     lines += [("note", note) for note in front.notes]
-    return [*lines, *([("note", few_words(front))] if front.alternatives else [])]
-
-
-def few_words(front: Discovery) -> str:
-    """What the values of choices that lost are."""
-    value = "its 95 % value" if front.aim.judged == "band" else "its value"
-    return f"what lost is told with {value} over the few poses of the refinement, designs with theirs over all"
+    return [*lines, *([("note", meaning(front.designs[0]))] if front.alternatives else [])]
 
 
 def _design(front: Discovery, index: int) -> list[str]:
@@ -165,15 +162,15 @@ def _design(front: Discovery, index: int) -> list[str]:
         lines += labelled("verified", phrases.verified_words(design))
     for label, words in tolerance_words(design):
         lines += labelled(label, words)
-    for one in front.alternatives:
-        if one.springs == count:
-            lines += labelled("lost", alternative_words(front, one))
+    for one in design.alternatives:
+        lines += labelled("lost", alternative_words(design, one))
     return lines
 
 
-def alternative_words(front: Discovery, one: Alternative) -> str:
+def alternative_words(design: Design, one: Alternative) -> str:
     """A choice that lost, with what it reached and why it lost."""
-    return f"{' and '.join(one.places)}, {value_words(front, one.value)}: {one.reason}"
+    count = "" if one.springs == len(design.balancers) else f"{counted(one.springs)}, "
+    return f"{count}{' and '.join(one.places)}, {reached_words(design, one)}: {one.reason}"
 
 
 def next_steps(front: Discovery) -> list[str]:

@@ -10,6 +10,7 @@ from equipoise.limits.limit import Limit, Setting
 from equipoise.limits.realisable import realisable
 from equipoise.limits.spring import Force, Length, MassCap, Slack, Stiffness, Stroke, implied
 from equipoise.limits.spring_index import SpringIndex
+from equipoise.limits.wrap import Wrap
 
 __all__ = [
     "Avoid",
@@ -33,6 +34,7 @@ __all__ = [
     "Tension",
     "Transmission",
     "WindUp",
+    "Wrap",
     "implied",
     "realisable",
 ]

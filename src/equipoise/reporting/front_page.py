@@ -13,6 +13,7 @@ from equipoise.discovery import words
 from equipoise.discovery.front import Discovery
 from equipoise.interference.findings import clash_words
 from equipoise.reporting import phrases, style, tables
+from equipoise.reporting.alternatives import alternatives
 from equipoise.reporting.drawing import drawing
 from equipoise.reporting.friction import friction_words
 from equipoise.reporting.html import document
@@ -42,7 +43,7 @@ def page(front: Discovery) -> str:
             _chart(front),
             _table(front),
             *[_design(front, index) for index in range(len(front.designs))],
-            _lost(front),
+            alternatives(front.designs),
             _floors(front),
             _dictionary(front),
             element(
@@ -196,18 +197,6 @@ def _facts(front: Discovery, index: int) -> list[tuple[str, str]]:
     facts += [("to mount", f"{spring.name}: {' at '.join(mounting(design, spring))}") for spring in springs]
     facts += [("clashes", one) for one in (clash_words(front.clashes[index]) if front.clashes else ())]
     return facts
-
-
-def _lost(front: Discovery) -> Raw:
-    if not front.alternatives:
-        return Raw("")
-    rows = [
-        [str(one.springs), " and ".join(one.places), words.value_words(front, one.value), one.reason]
-        for one in front.alternatives
-    ]
-    head = ["parts", "where", "reached", "why it lost"]
-    lead = words.few_words(front)
-    return section("Alternatives considered", table(head, rows, numbers=4), lead=lead[0].upper() + lead[1:] + ".")
 
 
 def _floors(front: Discovery) -> Raw:

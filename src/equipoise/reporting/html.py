@@ -12,6 +12,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.make.synthesis import Part
 from equipoise.reporting import cable_sections, machinery, phrases, sections, tables
+from equipoise.reporting.alternatives import alternatives
 from equipoise.reporting.friction import friction_section
 from equipoise.reporting.markup import Raw, element, image, join, section
 from equipoise.reporting.ordering import ordering, tried
@@ -37,6 +38,7 @@ def page(design: Design, model: str) -> str:
             tables.parts(design),
             ordering(design),
             tried(design),
+            alternatives([design]),
             settings_table(design) or adjustments(design),
             sections.certificate(design),
             tables.verification(design),

@@ -74,21 +74,16 @@ def tried(design: Design) -> Raw | str:
         rows = [
             [
                 str(rank),
-                one.line.part,
-                str(one.line.number),
+                one.part,
+                str(one.number),
                 value_words(one.value, unit),
                 "" if one.high is None else value_words(one.high, unit),
-                "taken" if one.line is choice.line else "",
+                "taken" if one is choice.taken else "",
             ]
             for rank, one in enumerate(choice.tried, 1)
         ]
-        behind = choice.ranking.outranked
-        said = [f"{len(choice.ranking.lines) + behind} candidates of {choice.ranking.catalogue.name}"]
-        said += [f"{count} left out by {words}" for words, count in choice.removed.items()]
-        said += [f"{behind} put behind the others by the closed form"] if behind else []
-        said += [f"{count} refused: {words}" for words, count in choice.refused.items()]
         blocks += [element("h3", f"{choice.spring}: {choice.order}"), table(head, rows, numbers=2)]
-        blocks.append(listing([*said, *choice.ranking.catalogue.remarks]))
+        blocks.append(listing([*choice.counted(), *choice.remarks]))
     return section("Candidates tried", *blocks, lead=TRIED) if blocks else ""
 
 

@@ -6,9 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from equipoise.design import Design
+from equipoise.discovery.alternative import Alternative
 from equipoise.discovery.collect import collect
+from equipoise.discovery.contest import ALIKE, NOTHING, Contest
 from equipoise.discovery.front import Discovery, bounds_of
-from equipoise.discovery.growing import ALIKE, NOTHING, Found, grow
+from equipoise.discovery.growing import Found, grow
 from equipoise.discovery.refine import Refiner
 from equipoise.discovery.request import Discover
 from equipoise.discovery.subsets import Search
@@ -68,9 +70,9 @@ def discover(
     search = Search.of(compressed, collection.dictionary.spots)
     ranked = search.best(request.springs, keep=JUDGED)
     bounds = bounds_of(collection, sweep, aim)
-    found = Found(scatter=scatter or Scatter())
     few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
+    found = Found(Contest(refiner, scatter or Scatter(), sweep))
     found.floor = max([bound.value for bound in bounds] + [NOTHING * refiner.bare])
     try:
         for count in range(1, request.springs + 1):
@@ -78,7 +80,7 @@ def discover(
                 found.notes.append(f"the floor is reached with {len(found.designs[-1].balancers)}: no more were tried")
                 break
             if count in ranked:
-                grow(found, collection, refiner, ranked[count], count, sweep, aim)
+                grow(found, collection, ranked[count], count, sweep, aim)
             if progress:
                 progress(count, request.springs, found.values[-1] if found.values else float("nan"))
     except KeyboardInterrupt:
@@ -86,18 +88,18 @@ def discover(
             raise
         found.stopped = True
     if not found.designs:
-        told = "".join(f"; {note}" for note in dict.fromkeys(found.notes))
+        reasons = (one.reason for one in found.alternatives)
+        told = "".join(f"; {note}" for note in dict.fromkeys((*found.notes, *reasons)))
         raise InfeasibleError(
             f"no subset of the candidates gains anything within the limits{told}",
             where="discover",
             hint="try other `kinds`, widen `margin` or list `points` farther out, or relax the limits",
         )
     return Discovery(
-        designs=tuple(found.designs),
+        designs=_considered(found),
         aim=aim,
         unit=aim.unit(mechanism),
-        before=_before(found.designs[0], aim),
-        alternatives=tuple(found.alternatives),
+        before=found.designs[0].bare(aim),
         bounds=bounds,
         candidates=len(collection.dictionary),
         poses=len(collection.states),
@@ -114,6 +116,12 @@ def discover(
     )
 
 
-def _before(design: Design, aim: Aim) -> float:
-    """The objective's norm without any part."""
-    return replace(design, after=design.before).reached(aim)
+def _considered(found: Found) -> tuple[Design, ...]:
+    """The designs with the choices that lost to them; where no design has so many parts, to the one with fewer."""
+    counts = [len(design.balancers) for design in found.designs]
+    lost: dict[int, list[Alternative]] = {count: [] for count in counts}
+    for one in found.contest.lost:
+        lost[max((count for count in counts if count <= one.springs), default=counts[0])].append(one)
+    return tuple(
+        replace(design, alternatives=tuple(lost[count])) for count, design in zip(counts, found.designs, strict=True)
+    )

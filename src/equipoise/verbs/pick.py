@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from equipoise.errors import EquipoiseError, InfeasibleError, InputError, neares
 from equipoise.objective import leading
 from equipoise.parameters import read, write
 from equipoise.parts.catalogue import Catalogue
+from equipoise.parts.choice import Choice, Tried
 from equipoise.parts.part import Part
 from equipoise.parts.ranking import Line, Ranking
 from equipoise.parts.request import Pick
@@ -30,91 +30,36 @@ MOST = 200
 Progress = Callable[[str, int, int, float], None]
 
 
-@dataclass(frozen=True)
-class Tried:
-    """A part that was shaped around: its line, the objective's value with it, and the 95 % value where that judges."""
-
-    line: Line
-    value: float
-    high: float | None = None
-
-    @property
-    def judged(self) -> float:
-        """What decides."""
-        return self.value if self.high is None else self.high
-
-    def json(self) -> dict[str, Any]:
-        """The part as design.json holds it."""
-        return {"part": self.line.part, "number": self.line.number, "value": self.value, "high": self.high}
-
-
-@dataclass(frozen=True, eq=False)
-class Choice:
-    """What stands in for one spring, and why: the line that was taken, those tried beside it with what they reached.
-
-    removed counts what filters took out, refused what limits refused, by reason; outranked what was worse by far.
-    """
-
-    spring: str
-    line: Line
-    order: str
-    ranking: Ranking
-    tried: tuple[Tried, ...]
-    removed: Mapping[str, int]
-
-    @property
-    def refused(self) -> dict[str, int]:
-        """Candidates refused, by reason."""
-        return self.ranking.refused
-
-    def json(self) -> dict[str, Any]:
-        """The choice as design.json holds it."""
-        return {
-            "spring": self.spring,
-            "part": self.line.part,
-            "number": self.line.number,
-            "order": self.order,
-            "from": self.ranking.catalogue.name,
-            "candidates": len(self.ranking.lines) + self.ranking.outranked,
-            "outranked": self.ranking.outranked,
-            "removed": dict(self.removed),
-            "refused": self.refused,
-            "tried": [one.json() for one in self.tried],
-            "remarks": list(self.ranking.catalogue.remarks),
-        }
-
-
 @dataclass(frozen=True, eq=False)
 class Picked:
-    """A design whose springs are parts, how each was chosen, and the design with ideal springs that it came from."""
+    """A design whose springs are parts, how each was chosen, and the design with ideal springs that it came from.
+
+    rankings {spring: every candidate, ranked} are what each choice was made from.
+    """
 
     design: Design
     ideal: Design
-    choices: tuple[Choice, ...] = field(default_factory=tuple)
+    rankings: Mapping[str, Ranking]
+
+    @property
+    def choices(self) -> tuple[Choice, ...]:
+        """How each part was chosen, which the design holds."""
+        return self.design.choices
 
     def __str__(self) -> str:
         lines = []
         for choice in self.choices:
+            others = [f"{one.name} {_reached(one)}" for one in choice.tried[1:]]
             lines.append(f"{choice.spring.ljust(11)} {choice.order}")
-            count = len(choice.ranking.lines) + choice.ranking.outranked
-            told = [f"{count} candidates of {choice.ranking.catalogue.name}"]
-            told += [f"{n} left out by {words}" for words, n in choice.removed.items()]
-            told += [f"{choice.ranking.outranked} outranked"] if choice.ranking.outranked else []
-            told += [f"{n} refused: {words}" for words, n in choice.refused.items()]
-            lines.append(f"            {'; '.join(told)}")
-            others = [f"{_count(one.line)} {_reached(one)}" for one in choice.tried if one.line is not choice.line]
-            best = next(one for one in choice.tried if one.line is choice.line)
-            lines.append(f"            reached {_reached(best)}" + (f"; next: {', '.join(others)}" if others else ""))
-            lines += [f"            {remark}" for remark in choice.ranking.catalogue.remarks]
+            lines.append(f"            {'; '.join(choice.counted())}")
+            beside = f"; next: {', '.join(others)}" if others else ""
+            lines.append(f"            reached {_reached(choice.taken)}{beside}")
+            lines += [f"            {remark}" for remark in choice.remarks]
         return "\n".join(lines)
 
 
 def _reached(one: Tried) -> str:
     return f"{one.value:.4g}" + (f" (95 %: {one.high:.4g})" if one.high is not None else "")
-
-
-def _count(line: Line) -> str:
-    return f"{line.number} x {line.part}" if line.number > 1 else line.part
 
 
 def pick(
@@ -141,14 +86,14 @@ def pick(
     balancers = write(design.balancers, design.geometry)
     if request.leader is not None:
         free |= {f"{name}.law.leader": request.leader for name in names}
-    choices, found = [], design
+    found, choices, rankings = design, [], {}
     for name in names:
         search = _Search(
             found, balancers, free, catalogue, removed, request.parallel, request.keep, scatter or Scatter(), seed
         )
-        found, balancers, choice = search.best(name, progress)
+        found, balancers, choice, rankings[name] = search.best(name, progress)
         choices.append(choice)
-    return Picked(replace(found, choices=tuple(choices)), design, tuple(choices))
+    return Picked(replace(found, choices=tuple(choices)), design, rankings)
 
 
 def _chosen(design: Design, request: Pick) -> list[str]:
@@ -186,8 +131,8 @@ class _Search:
     scatter: Scatter
     seed: int
 
-    def best(self, name: str, progress: Progress | None) -> tuple[Design, tuple[Balancer, ...], Choice]:
-        """The best part for one spring: the design and the balancers with it, and how it was chosen."""
+    def best(self, name: str, progress: Progress | None) -> tuple[Design, tuple[Balancer, ...], Choice, Ranking]:
+        """The best part for one spring: the design and the balancers with it, how it was chosen, and from what."""
         free = {key: ends for key, ends in self.free.items() if not _of_a_law(key, self.balancers, name)}
         ranking = self._ranking(name, free, progress)
         if not ranking.ranked:
@@ -206,17 +151,27 @@ class _Search:
         if not tried:
             told = f"the best {len(failed)} candidates for {name} fail: {failed[0]}"
             raise InfeasibleError(told, where="pick", hint="raise `keep`")
-        tried.sort(key=lambda entry: (entry[0].judged, entry[0].line.number))
-        best, made, placed = tried[0]
-        line = best.line
-        order = self.catalogue.spring(ranking.row(line), line.number).order_line()
-        beside = tuple(one for one, *_ in tried)
-        return made, placed, Choice(name, line, order, ranking, beside, self.removed)
+        tried.sort(key=lambda entry: (entry[0].judged, entry[0].number))
+        made, placed = tried[0][1:]
+        part = next(one.law for one in placed if isinstance(one, Spring) and one.name == name)
+        assert isinstance(part, Part)
+        choice = Choice(
+            spring=name,
+            order=part.order_line(),
+            source=self.catalogue.name,
+            candidates=len(ranking.lines) + ranking.outranked,
+            outranked=ranking.outranked,
+            removed=self.removed,
+            refused=ranking.refused,
+            tried=tuple(one for one, *_ in tried),
+            remarks=self.catalogue.remarks,
+        )
+        return made, placed, choice, ranking
 
     def _judged(self, line: Line, made: Design) -> Tried:
         banded = leading(made.objective).judged == "band"
         high = tolerance(made, self.scatter).band.high if banded else None
-        return Tried(line, made.certificate.primal, high)
+        return Tried(line.part, line.number, made.certificate.primal, high)
 
     def _ranking(self, name: str, free: Mapping[str, tuple[float, float]], progress: Progress | None) -> Ranking:
         return survey_catalogue(
@@ -288,7 +243,8 @@ def _none_left(name: str, ranking: Ranking) -> str:
 
 def _nearest_miss(ranking: Ranking) -> str:
     line = min(ranking.lines, key=lambda line: line.excess)
+    name = Tried(line.part, line.number, line.value).name
     return (
-        f"{_count(line)} comes nearest and misses {line.refused} by {100 * line.excess:.3g} %: "
+        f"{name} comes nearest and misses {line.refused} by {100 * line.excess:.3g} %: "
         "widen the bounds, allow more in parallel, or take another catalogue"
     )

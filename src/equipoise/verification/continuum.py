@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 
 from equipoise.assemble import Balancer
-from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.mechanism import Mechanism
 from equipoise.row import Row
@@ -53,29 +52,34 @@ def bounds(
     them, and triangles around the arcs enclose them. Cells are split until the bound exceeds the largest value
     met by less than 0.2 % or 0.01 % of the joint's load, or `budget` cells of that joint are used; it is valid
     either way, up to rounding. Mechanisms with closed loops or tendon springs of their own, and springs that are
-    bent or not on a straight line, get an estimate, efforts that depend on more than eight joints no bound; both say
-    so. A sweep without a box has no bounds.
+    bent or follow no single straight distance, and efforts that are no such waves (joints that copy others, a coil's
+    weight behind a cable), get an estimate, efforts that depend on more than eight joints no bound; both say so. A
+    sweep without a box has no bounds.
     """
     if sweep.box is None:
         return {}
-    if _open(mechanism) and _straight(balancers, values):
-        field = Field(mechanism, balancers, values, sweep)
-        return {joint: _row(field, index, rows[joint], budget) for index, joint in enumerate(mechanism.driven)}
-    peaks = [rows[joint].peak for joint in mechanism.driven]
+    joints = mechanism.driven
+    peaks = [rows[joint].peak for joint in joints]
     method = ESTIMATE
     try:
         field = Field(mechanism, balancers, values, sweep)
-        found = estimate(field.residual, field.box, peaks, relative=RELATIVE, of_load=OF_LOAD, budget=budget)
+        known = [_row(field, index, rows[joint], budget) for index, joint in enumerate(joints)]
+        rough: list[Found] = []
+        if None in known:
+            rough = estimate(field.residual, field.box, peaks, relative=RELATIVE, of_load=OF_LOAD, budget=budget)
     except InputError as error:
-        found = [Found(np.inf, peak, 0, False) for peak in peaks]
+        known = [None] * len(joints)
+        rough = [Found(np.inf, peak, 0, False) for peak in peaks]
         method = f"no bound: the loops or paths do not close everywhere in the box ({error.message})"
     return {
-        joint: _bound(rows[joint], item, method, False) for joint, item in zip(mechanism.driven, found, strict=True)
+        joint: known[index] or _bound(rows[joint], rough[index], method, False) for index, joint in enumerate(joints)
     }
 
 
-def _row(field: Field, index: int, row: Row, budget: int) -> Bound:
-    """The bound of one joint of an open chain."""
+def _row(field: Field, index: int, row: Row, budget: int) -> Bound | None:
+    """The bound of one joint; None where its effort is no wave of the hinges of an open chain."""
+    if not (_open(field.mechanism) and field.straight):
+        return None
     at = field.coordinates(index)
     joints = len(at.joints)
     if joints > WIDEST:
@@ -83,8 +87,7 @@ def _row(field: Field, index: int, row: Row, budget: int) -> Bound:
         return _bound(row, Found(np.inf, row.peak, 0, False), method, False)
     enclosure = field.enclosure(index, at)
     if enclosure is None:
-        method = "no bound: joints that copy others make the effort no plain wave of each hinge"
-        return _bound(row, Found(np.inf, row.peak, 0, False), method, False)
+        return None
     work = max(LEAST, WORK // len(field.box))
     found = search(
         enclosure,
@@ -104,12 +107,6 @@ def _row(field: Field, index: int, row: Row, budget: int) -> Bound:
 def _bound(row: Row, found: Found, method: str, rigorous: bool) -> Bound:
     polished = max(row.peak, found.met)
     return Bound(row.sample_peak, polished, found.upper, row.unit, method, rigorous, found.cells, found.complete)
-
-
-def _straight(balancers: Sequence[Balancer], values: Mapping[str, float]) -> bool:
-    """Whether all springs lie on straight lines and have forces affine in their lengths."""
-    springs = [balancer for balancer in balancers if isinstance(balancer, Spring)]
-    return all(s.path.straight and s.law.line(s.own(values)) is not None for s in springs)
 
 
 def _open(mechanism: Mechanism) -> bool:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.assemble import Balancer, effort
+from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
-from equipoise.mechanism import Mechanism
+from equipoise.mechanism import Mechanism, Point
 from equipoise.states import States
 from equipoise.sweep import Sweep
 from equipoise.verification.enclosure import Enclosure
@@ -52,12 +53,21 @@ class Field:
         self.sweep = _extremes(sweep)
         self.middle = box.mean(axis=1)
         self.probes = box[:, 0] + np.random.default_rng(0).random((PROBES, len(box))) * np.ptp(box, axis=1)
-        states = self._states(self.probes)
+        states = self._at_probes
+        springs = [balancer for balancer in balancers if isinstance(balancer, Spring)]
+        self._runs = {spring.name: spring.path.run(states) for spring in springs}
         self._copied = (np.abs(states.D) > 0).any(axis=0).sum(axis=0) > 1
         bare, total = states.holding, self._total(states)
         self.loads = np.abs(bare).max(axis=0)
         self.scale = float(np.maximum(np.abs(bare), np.abs(total - bare)).max())
-        self.springs = [b for b in balancers if isinstance(b, Spring) and self._intercept(b) != 0.0]
+        self.springs = [spring for spring in springs if self._intercept(spring) != 0.0]
+
+    @property
+    def straight(self) -> bool:
+        """Whether all springs follow one straight distance each, with forces affine in it."""
+        springs = [balancer for balancer in self.balancers if isinstance(balancer, Spring)]
+        lines = [spring.law.line(spring.own(self.values)) for spring in springs]
+        return None not in lines and None not in self._runs.values()
 
     def residual(self, q: Array) -> Array:
         """Efforts (S, N, nd) with the balancers at positions (N, nd)."""
@@ -97,8 +107,7 @@ class Field:
         nodes[:, at.joints] = axes.nodes()
         stiffness = float(model.jnt_stiffness[ids[row]])
         rest = float(model.qpos_spring[model.jnt_qposadr[ids[row]]])
-        probes = self._states(self.probes)
-        springs = [spring for spring in self.springs if self._matters(spring, probes, row)]
+        springs = [spring for spring in self.springs if self._matters(spring, row)]
         enclosure = Enclosure(
             axes=axes,
             waves=axes.fit(self._waves(nodes, row, springs, stiffness, rest)),
@@ -116,20 +125,44 @@ class Field:
         smooth = self._total(states).reshape(-1, *q.shape)[..., row] - stiffness * (q[:, row] - rest)
         shared = []
         for spring in springs:
-            length, rate = spring.path.deform(states)
+            length, rate = self._distance(spring, states)
             length, rate = length[: len(q)], rate[: len(q), row]
             smooth = smooth - self._intercept(spring) * rate
             shared += [length * length, 2 * length * rate]
         return np.concatenate([smooth, np.array(shared).reshape(-1, len(q))])
 
-    def _matters(self, spring: Spring, states: States, row: int) -> bool:
-        rate = spring.path.deform(states)[1][:, row]
+    def _matters(self, spring: Spring, row: int) -> bool:
+        rate = self._distance(spring, self._at_probes)[1][:, row]
         return bool(np.abs(self._intercept(spring) * rate).max() > NEGLIGIBLE * self.scale)
 
     def _intercept(self, spring: Spring) -> float:
-        """The force at length zero of the spring's line, N."""
-        line = spring.law.line(spring.own(self.values))
-        return 0.0 if line is None else line[0]
+        """The pull along the spring's distance, N, where that is zero, with that of weights that follow it."""
+        line, run = spring.law.line(spring.own(self.values)), self._runs[spring.name]
+        if line is None or run is None:
+            return 0.0
+        return run.ratio * (line[0] + line[1] * run.offset) + self._hung(spring)
+
+    @cached_property
+    def _at_probes(self) -> States:
+        return self._states(self.probes)
+
+    def _hung(self, spring: Spring) -> float:
+        """What parts that move within a body pull along the distance by their weight, N; 0 where they do not only so.
+
+        The end of a coil that hangs in the base rises as the distance shrinks, at every pose alike.
+        """
+        moving = [(place, mass) for place, mass in spring.masses if not isinstance(place, Point)]
+        if not moving:
+            return 0.0
+        weight = sum(self._at_probes.weight_effort(place, mass) for place, mass in moving)
+        rate = self._distance(spring, self._at_probes)[1]
+        pull = float((weight * rate).sum() / ((rate * rate).sum() + 1e-300))
+        return pull if np.abs(weight - pull * rate).max() <= NEGLIGIBLE * self.scale else 0.0
+
+    def _distance(self, spring: Spring, states: States) -> tuple[Array, Array]:
+        run = self._runs[spring.name]
+        assert run is not None
+        return Line(run.a, run.b).deform(states)
 
     @cached_property
     def _dependence(self) -> NDArray[np.bool_]:

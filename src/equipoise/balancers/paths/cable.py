@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import mujoco
@@ -11,11 +12,11 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.mount import along_mount
-from equipoise.balancers.paths.path import Moving, Need, Path, Place, Sketch
+from equipoise.balancers.paths.path import Moving, Need, Path, Place, Run, Sketch
 from equipoise.balancers.paths.pulley import Pulley
 from equipoise.balancers.paths.rigging import guides, rig
 from equipoise.balancers.paths.rub import Rub
-from equipoise.balancers.paths.taut import CLOSE, Node, Taut, clearances, taut
+from equipoise.balancers.paths.taut import CLOSE, Node, Taut, clearances, embraces, taut
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism, Point
@@ -50,6 +51,29 @@ class Cable(Path):
     def taut(self, states: States) -> Taut:
         """The cable with its runs and wraps."""
         return taut([_node(item, states) for item in self.through])
+
+    def run(self, states: States) -> Run | None:
+        """The only run between bodies that move against each other, where the cable goes through eyes alone."""
+        if any(isinstance(item, Pulley) and np.any(item.radius) for item in self.through):
+            return None
+        points = [self._place(index) for index in range(len(self.through))]
+        model = states.mechanism.model
+        groups = [ancestors(model, states.mechanism.body_id(point.body)) for point in points]
+        moving = [index for index, (one, other) in enumerate(pairwise(groups)) if one != other]
+        if len(moving) != 1:
+            return None
+        a, b = points[moving[0]], points[moving[0] + 1]
+        apart = np.linalg.norm(states.point(a)[0][0] - states.point(b)[0][0])
+        still = float(self.taut(states).length[0] - apart)
+        return Run(a, b, float(self.ratio), float(self.ratio * still + self.offset))
+
+    def embraces(self, states: States) -> list[tuple[int, Array, Array]]:
+        """Place among `through`, wrap (..., N), rad, and its rate (..., N, nd) of each pulley, were none left."""
+        return embraces([_node(item, states) for item in self.through])
+
+    def clearances(self, states: States) -> list[tuple[Array, Array]]:
+        """How far, m, the neighbours of pulleys are from their rims, and from their centres, (..., N)."""
+        return clearances([_node(item, states) for item in self.through])
 
     def rubs(self, states: States) -> tuple[Rub, ...]:
         """Every sheave by the share of half a turn that the cable wraps; an eye by the angle it turns the cable."""
@@ -134,10 +158,9 @@ class Cable(Path):
 
     def needs(self, states: States) -> tuple[Need, ...]:
         """No point runs into a pulley."""
-        found = clearances([_node(item, states) for item in self.through])
         return tuple(
             Need("clearance of the pulleys", "m", room - CLOSE * distance, float(np.real(distance).max()))
-            for room, distance in found
+            for room, distance in self.clearances(states)
             if room.ndim > 1
         )
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import mujoco
 import numpy as np
 
 from equipoise.affine import Array
 from equipoise.balancers.paths.bodies import add_site
-from equipoise.balancers.paths.path import Path, Sketch
+from equipoise.balancers.paths.path import Path, Run, Sketch
 from equipoise.balancers.paths.rub import Rub
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
@@ -28,7 +27,6 @@ class Line(Path):
 
     a: Point
     b: Point
-    straight: ClassVar[bool] = True
 
     def deform(self, states: States) -> tuple[Array, Array]:
         """Length l (..., N) and its derivative dl/dq_driven (..., N, nd).
@@ -42,6 +40,10 @@ class Line(Path):
         length = np.sqrt((gap * gap).sum(-1))
         rate = np.einsum("...i,...ij->...j", gap, jacobian_a - jacobian_b)
         return length, rate / np.where(length == 0, 1.0, length)[..., None]
+
+    def run(self, states: States) -> Run:  # noqa: ARG002 - the same at all states
+        """Itself."""
+        return Run(self.a, self.b)
 
     def rubs(self, states: States) -> tuple[Rub, ...]:
         """A pin at each end, which turns as the line swings against its body; a twist about the line is free."""

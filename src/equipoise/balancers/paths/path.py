@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 import mujoco
 
@@ -32,6 +32,16 @@ class Moving:
     def seat(self, model: mujoco.MjModel, name: str) -> Point:
         """The point that carries the spot in a model."""
         return self.carrier(model, name)
+
+
+@dataclass(frozen=True)
+class Run:
+    """A deformation that follows one straight distance: l = ratio |p_a - p_b| + offset; offset in m."""
+
+    a: Point
+    b: Point
+    ratio: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,12 +84,14 @@ class Path(ABC):
     """
 
     unit: Literal["m", "rad"] = "m"
-    straight: ClassVar[bool] = False
-    """Whether l^2 is affine in (cos q, sin q) of every hinge, as for a straight line."""
 
     @abstractmethod
     def deform(self, states: States) -> tuple[Array, Array]:
         """Deformation l (..., N), m or rad, and its derivative dl/dq_driven (..., N, nd)."""
+
+    def run(self, states: States) -> Run | None:  # noqa: ARG002 - most paths are more than one distance
+        """The one straight distance that l follows, whose square is affine in (cos q, sin q) of every hinge."""
+        return None
 
     def along(self, length: Any) -> tuple[Any, Any]:  # noqa: ARG002 - only what hangs on a cable follows it
         """Deformation l (..., M) and dl/dc at lengths c (M,) of the cable that drives it; InputError without one."""

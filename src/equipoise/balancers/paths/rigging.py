@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -21,8 +21,11 @@ from equipoise.mechanism import Point
 from equipoise.states import States
 
 Items = Sequence[Point | Pulley]
-LONG, SHORT = np.radians(140.0), np.radians(3.0)
-"""Arcs above LONG are split; the split stays SHORT off their ends."""
+SHORT = np.radians(3.0)
+"""How far from the ends of what is always wrapped an arc is split; the least play of a site beside a pulley."""
+
+LOOSE = np.radians(75.0)
+"""How far from a cable that has lifted off the site may stand that says on which side it runs."""
 
 RIM = 1e-10
 """How far outside the rim the splitting site stands: MuJoCo wraps nothing from within; the detour is 1e-15 radii."""
@@ -152,18 +155,30 @@ class Bend:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The arc that is wrapped in every state: from (below 0) to (above 0), rad from the mean middle."""
+        """The arc that is wrapped in every state: from and to, rad from the mean middle."""
         return float((self.away - 0.5 * self.wrap).max()), float((self.away + 0.5 * self.wrap).min())
+
+    def split(self, angle: float) -> tuple[Bend, Bend]:
+        """What lies before and behind an angle that is wrapped in every state."""
+        first, last = self.away - 0.5 * self.wrap, self.away + 0.5 * self.wrap
+        before, behind = 0.5 * (first + angle), 0.5 * (angle + last)
+        return replace(self, wrap=angle - first, away=before), replace(self, wrap=last - angle, away=behind)
+
+    @property
+    def side(self) -> float | None:
+        """Where a site tells the cable's way around the pulley in every state, rad from the mean middle, if anywhere.
+
+        MuJoCo takes the way around on which the site lies opposite to the angle between the two runs.
+        """
+        room = np.where(self.wrap > 0, 0.5 * (np.pi - self.wrap), LOOSE)
+        low, high = float((self.away - room).max()), float((self.away + room).min())
+        return 0.5 * (low + high) if high - low >= SHORT else None
 
 
 def _over(spec: mujoco.MjSpec, tendon: Any, name: str, pulley: Pulley, bend: Bend, neighbours: bool) -> None:
-    """Lead a tendon over a pulley: a cylinder with a site on the cable's side; two arcs where one is too long.
-
-    MuJoCo tells the two ways around a cylinder apart by the site, which is ambiguous for arcs near half a turn, so
-    long ones get a site on the rim in their middle.
-    """
+    """Lead a tendon over a pulley: a cylinder with a site on the cable's side; two arcs where no site tells it."""
     geom = pulley.install(spec, name)
-    lifted, longest = bool((bend.wrap <= 0).any()), float(bend.wrap.max())
+    lifted = bool((bend.wrap <= 0).any())
     if lifted and neighbours:
         raise InputError(
             f"the cable of {name.rsplit('_', 1)[0]} lifts off a pulley beside another, which no model file can hold",
@@ -175,17 +190,19 @@ def _over(spec: mujoco.MjSpec, tendon: Any, name: str, pulley: Pulley, bend: Ben
         at = np.asarray(pulley.at, dtype=float) + radii * float(pulley.radius) * bend.at(angle)
         return str(bodies.add_site(spec, Point.of(pulley.body, at), f"{name}_{word}").name)
 
-    if longest <= LONG:
-        tendon.wrap_geom(geom.name, site(0.0, BESIDE, "side"))
+    if bend.side is not None:
+        tendon.wrap_geom(geom.name, site(bend.side, BESIDE, "side"))
         return
     low, high = bend.ends
-    if low > -SHORT or high < SHORT:
+    middle = 0.5 * (low + high)
+    before, behind = (half.side for half in bend.split(middle))
+    if high - low < 2 * SHORT or before is None or behind is None:
         raise InputError(
             f"the cable wraps the pulley {name} by {np.degrees(max(bend.wrap.min(), 0)):.4g} to "
-            f"{np.degrees(longest):.4g} deg on changing sides, which no model file can hold",
+            f"{np.degrees(bend.wrap.max()):.4g} deg on changing sides, which no model file can hold",
             where="cable",
-            hint="lead the cable through an eye before or behind the pulley, or sweep less",
+            hint="lead the cable through an eye before or behind the pulley, sweep less, or limit `wrap`",
         )
-    tendon.wrap_geom(geom.name, site(0.5 * low, BESIDE, "side"))
-    tendon.wrap_site(site(0.0, 1.0 + RIM, "rim"))
-    tendon.wrap_geom(geom.name, site(0.5 * high, BESIDE, "other_side"))
+    tendon.wrap_geom(geom.name, site(before, BESIDE, "side"))
+    tendon.wrap_site(site(middle, 1.0 + RIM, "rim"))
+    tendon.wrap_geom(geom.name, site(behind, BESIDE, "other_side"))

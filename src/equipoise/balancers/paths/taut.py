@@ -93,6 +93,32 @@ def taut(nodes: list[Node]) -> Taut:
         found = _laid(nodes, kept, shape)
 
 
+def embraces(nodes: list[Node]) -> list[tuple[int, Array, Array]]:
+    """Number, wrap (..., N), rad, and its rate (..., N, nd) of every pulley, the cable bearing on all of them.
+
+        w' = sense (n x u_i . (J_i+1 - J_i) / t_i - n x u_i-1 . (J_i - J_i-1) / t_i-1)
+
+    n is the pulley's axis, u the directions and t the lengths of the runs to both sides. Where the cable would lift
+    off, the wrap is negative and smooth.
+    """
+    runs = [tangent(a, b) for a, b in pairwise(nodes)]
+    found = []
+    for number in range(1, len(nodes) - 1):
+        node = nodes[number]
+        if not node.wraps:
+            continue
+        assert node.normal is not None
+        turning = []
+        for (length, along), (a, b) in zip(
+            runs[number - 1 : number + 1], pairwise(nodes[number - 1 : number + 2]), strict=True
+        ):
+            aside = np.cross(node.normal, along) / length[..., None]
+            turning.append(np.einsum("...i,...ij->...j", aside, b.jacobian - a.jacobian))
+        wrap = _turned(runs[number - 1][1], runs[number][1], node)
+        found.append((number, wrap, np.sign(np.real(node.turn))[..., None] * (turning[1] - turning[0])))
+    return found
+
+
 def _laid(nodes: list[Node], kept: NDArray[np.bool_], shape: tuple[int, ...]) -> tuple[Array, Array, Array, Array]:
     """As `_through`, over the nodes kept (..., N, M): states that touch the same ones go together."""
     patterns = np.unique(kept.reshape(-1, len(nodes)), axis=0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,9 +80,9 @@ class Lines:
             np.hstack([one.max(axis=0) for one in lengths]),
         )  # fmt: skip
 
-    def take(self, kept: NDArray[np.bool_] | Indices) -> Lines:
+    def take(self, kept: NDArray[np.bool_] | Indices) -> Self:
         """Some of the couples."""
-        return Lines(self.pair, self.form, self.a[kept], self.b[kept], self.shortest[kept], self.longest[kept])
+        return replace(self, a=self.a[kept], b=self.b[kept], shortest=self.shortest[kept], longest=self.longest[kept])
 
     @property
     def bodies(self) -> tuple[str, str]:
