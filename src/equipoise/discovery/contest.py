@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from equipoise.discovery.alternative import Alternative
 from equipoise.discovery.making import wound
 from equipoise.discovery.refine import Parts, Refined, Refiner
+from equipoise.discovery.stage import Stage, Tell, untold
 from equipoise.errors import EquipoiseError
 from equipoise.objective import leading
 from equipoise.parts.makeable import Makeable
@@ -54,6 +55,7 @@ class Contest:
     scatter: Scatter
     sweep: Sweep
     lost: list[Alternative] = field(default_factory=list)
+    tell: Tell = untold
 
     @property
     def banded(self) -> bool:
@@ -76,7 +78,10 @@ class Contest:
         near = [one for one in ranked[:WOUND] if one.refined.value <= (1 + REACH) * self._level(ranked)]
         for one in ranked[len(near) :]:
             self.lose(one, f"{self._against(one, ranked[0])}, and so was not wound")
-        made = [one for one in (self._wound(contender, make) for contender in near) if one is not None]
+        made = []
+        for number, one in enumerate(near, 1):
+            self.tell(Stage(len(one.refined.parts.balancers), "winding", number, len(near)))
+            made += [wound for wound in [self._wound(one, make)] if wound is not None]
         return self._best(sorted(made, key=lambda one: one.refined.value))
 
     def _whole(self, parts: Parts) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from equipoise.discovery.contest import ELASTIC, REACH, Contender
 from equipoise.discovery.making import weighed
 from equipoise.discovery.refine import Parts, Refined, Refiner
+from equipoise.discovery.stage import Stage, Tell, untold
 from equipoise.errors import InfeasibleError
 from equipoise.parts.makeable import Makeable
 
@@ -23,24 +24,29 @@ class Entrant:
     parts: Parts
 
 
-def refined(refiner: Refiner, entrants: Sequence[Entrant], make: Makeable | None) -> list[Contender]:
+def refined(
+    refiner: Refiner, entrants: Sequence[Entrant], make: Makeable | None, tell: Tell = untold
+) -> list[Contender]:
     """All entrants whose limits can be kept, refined as far as they promise, in their order.
 
     A descent gains most in its first steps; the rest of them, a few per cent, is worth its time only where the
     contender may still win. Springs that are to be wound count with their own masses.
     """
     tried: list[Contender] = []
-    for entrant in entrants:
+    for number, entrant in enumerate(entrants, 1):
+        tell(Stage(len(entrant.parts.balancers), "refining", number, len(entrants)))
         try:
             tried.append(Contender(entrant.places, _roughly(refiner, entrant.parts, make)))
         except InfeasibleError:
             continue
     cost = [one.refined.value + ELASTIC * refiner.bare * one.refined.excess for one in tried]
     near = (1 + REACH) * min(cost, default=0.0)
-    return [
-        replace(one, refined=refiner.refine(one.refined.parts)) if paid <= near and one.refined.parts.free else one
-        for one, paid in zip(tried, cost, strict=True)
-    ]
+    for index, (one, paid) in enumerate(zip(tried, cost, strict=True)):
+        parts = one.refined.parts
+        if paid <= near and parts.free:
+            tell(Stage(len(parts.balancers), "refining to the end", index + 1, len(tried)))
+            tried[index] = replace(one, refined=refiner.refine(parts))
+    return tried
 
 
 def _roughly(refiner: Refiner, parts: Parts, make: Makeable | None) -> Refined:

@@ -13,6 +13,7 @@ from equipoise.discovery.front import BETTER
 from equipoise.discovery.making import unweighed
 from equipoise.discovery.reach import with_extremes
 from equipoise.discovery.refine import Parts, addition, built, judge
+from equipoise.discovery.stage import Stage
 from equipoise.discovery.subsets import Ranked, Subset
 from equipoise.errors import EquipoiseError
 from equipoise.objective import Aim
@@ -45,7 +46,7 @@ class Found:
 def grow(found: Found, collection: Collection, ranked: Ranked, count: int, sweep: Sweep, aim: Aim) -> None:
     """Find the design with so many parts, shaped over the whole sweep, or tell why there is none."""
     entrants = [*_entrants(collection, ranked, aim), *_extended(found, collection, count)]
-    tried = refined(found.contest.refiner, entrants, collection.request.make)
+    tried = refined(found.contest.refiner, entrants, collection.request.make, found.contest.tell)
     found.best = found.contest.winner(tried, collection.request.make)
     if found.best is not None:
         _finish(found, sweep, aim, found.best)
@@ -91,6 +92,7 @@ def _finish(found: Found, sweep: Sweep, aim: Aim, best: Contender) -> None:
     if aim.judged == "nominal" and best.refined.value > least * (1 - BETTER):
         found.lose(best, "one part more gains next to nothing")
         return
+    found.contest.tell(Stage(count, "shaping over all poses"))
     try:
         design = built(parts, refiner.shaped(parts, sweep))
         # What no model file can hold cannot be verified.
