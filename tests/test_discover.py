@@ -18,6 +18,7 @@ from equipoise.discovery.ask import masses, tip
 from equipoise.discovery.collect import collect
 from equipoise.discovery.plain import plain_problem
 from equipoise.discovery.subsets import Search
+from equipoise.discovery.words import next_steps, summary
 from equipoise.errors import InfeasibleError
 from equipoise.problem import load_problem, problem_of
 from equipoise.reporting.front_page import page
@@ -430,6 +431,22 @@ def test_refinement_and_the_winder_keep_the_cable_on_its_side(tmp_path):
         assert eq.verify(design, poses=500).verification.agrees
 
 
+def test_a_swivel_leads_a_cable_through_a_full_turn():
+    """One link that turns all the way round is balanced by a coil behind a swivelling pulley, to rounding."""
+    mech = eq.chain([eq.Link("link", length=0.5, mass=3.0)])
+    kind = eq.CableSprings(radius=0.015, guide="swivel", ratio=0.5, rooms={"world": 0.5})
+    request = eq.Discover(1, kinds=(kind,), candidates=400, contenders=1, poses=100)
+    sweep, aim = eq.Sweep.sobol(mech, 64), eq.Aim(norm="peak")
+    front = eq.discover(mech, sweep, request, objective=aim)
+    (design,) = front.designs
+    assert front.values[0] < 0.02 * front.before
+    ((_, wrap, _),) = design.balancers[0].path.embraces(mech.states(eq.Sweep.sobol(mech, 2048)))
+    assert np.degrees(wrap.max()) < 172
+    assert eq.verify(design, poses=500).verification.agrees
+    pulley = replace(request, kinds=(replace(kind, guide="pulley"),))
+    assert "keep to one side" in " ".join(collect(mech, sweep, pulley, aim).refused)
+
+
 def test_a_coil_behind_a_pulley_lies_either_way_along_its_link():
     links = [
         eq.Link("upper", length=0.5, mass=3.0, limits=(-1.2, 1.2)),
@@ -543,6 +560,21 @@ def test_the_report_shows_the_front_what_lost_and_where_to_attach(small):
         assert words in html
     assert max(front.highs) > max(front.values)
     assert "http" not in html.replace("http://www.w3.org", "")
+
+
+def test_next_steps_name_the_folder_and_forces_that_are_out_of_proportion(small, tmp_path):
+    told = " ".join(summary(small, tmp_path / "out").split())
+    assert f"{tmp_path / 'out'}/springs_2/design.json" in told or "DIR" not in told
+    assert "`--out DIR`" not in told
+    mech = small.designs[0].mechanism
+    weight = mech.mass * 9.81
+    point = eq.Point("world", (0.0, 0.0, 0.3))
+    for times in (10, 40):
+        stiff = eq.Spring("s1", eq.Line(point, mech.at("upper", 0.2)), eq.ZeroFreeLength(times * weight / 0.2))
+        design = eq.balance(mech, [stiff], eq.Sweep.sobol(mech, 16))
+        steps = next_steps(replace(small, designs=(design,)))
+        heavy = design.parts()[0]["force"][1] > 20 * weight
+        assert any("times the mechanism's weight" in step for step in steps) == heavy == (times == 40)
 
 
 def test_ctrl_c_returns_what_is_finished():

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
 
 import equipoise as eq
 from equipoise.cli import main
+from equipoise.discovery.ask import asked
 from equipoise.parameters import unit_of
 from equipoise.scattering.sources import sources
+from equipoise.targets import target_of
 
 LINK = '<link name="{}"><inertial><origin xyz="{}"/><mass value="{}"/>\
 <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>'
@@ -34,6 +37,20 @@ MACHINES = {
         [
             ("j1", "revolute", "base", "a", "0 0 0.5", "0 0 1", -2, 2, ""),
             ("j3", "prismatic", "a", "quill", "0.3 0 0", "0 0 1", -0.2, 0, ""),
+        ],
+    ),
+    "gantry": (
+        [BASE, ("car", "0 0 0", 5), ("arm", "0.25 0 0", 3)],
+        [
+            ("z", "prismatic", "base", "car", "0 0 0.1", "0 0 1", 0, 0.6, ""),
+            ("swing", "revolute", "car", "arm", "0.1 0 0", "0 -1 0", -1, 1, ""),
+        ],
+    ),
+    "gripper": (
+        [BASE, ("arm", "0.25 0 0", 3), ("finger", "0 0 0", 0.1)],
+        [
+            ("swing", "revolute", "base", "arm", "0 0 0.5", "0 -1 0", -1, 1, ""),
+            ("grip", "prismatic", "arm", "finger", "0.5 0 0", "0 1 0", 0, 0.04, ""),
         ],
     ),
     "mimic": (
@@ -150,6 +167,27 @@ def test_a_slide_on_a_turntable_gets_a_spring_of_its_own(ask):
     assert data["before"] == pytest.approx(9.81)
     assert data["values"][0] < 0.35 * data["before"]
     assert data["front"][0]["verification"]["agrees"]
+
+
+def test_hinges_and_slides_are_no_amounts_of_one_thing(ask, tmp_path):
+    """A file that counts both alike is told so; a robot alone counts by its motors, or the one kind that is loaded."""
+    code, data, said = ask("gantry", "{springs: 1, margin: 1 m, candidates: 400, contenders: 1}")
+    assert code == 0, said
+    assert any("1 N at a slide counts as 1 N m at a hinge" in note for note in data["notes"])
+    bare = asked(target_of("gantry.urdf"), None, None, 1, None, None)
+    (aim,) = bare.objective
+    assert aim.divisor == "motor"
+    assert aim.joints == ("z", "swing")
+    ask("gripper", "{springs: 0}")
+    (aim,) = asked(target_of("gripper.urdf"), None, None, 1, None, None).objective
+    assert aim.divisor is None
+    assert aim.joints == ("swing",)
+    # Without motor limits nothing weighs one against the other.
+    text = (tmp_path / "gantry.urdf").read_text()
+    (tmp_path / "gantry.urdf").write_text(re.sub('effort="[0-9.]+"', 'effort="0"', text))
+    (aim,) = asked(target_of("gantry.urdf"), None, None, 1, None, None).objective
+    assert aim.divisor is None
+    assert aim.joints is None
 
 
 @pytest.mark.parametrize("name", ["mimic", "fourbar"])

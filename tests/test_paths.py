@@ -365,6 +365,43 @@ def test_wraps_that_change_a_lot_are_saved_and_their_rate_is_exact(at_, anchor, 
     np.testing.assert_allclose(lengths, path.taut(states).length, atol=1e-12)
 
 
+def test_a_swivel_follows_the_hook_to_all_sides():
+    """Against the closed form, out of the plane too; square to the run it is a distance but for a constant."""
+    mech, radius = arm(), 0.03
+    poses = np.column_stack([np.linspace(-3.1, 3.1, 40), np.linspace(-2.0, 2.5, 40)])
+    states = at(mech, *poses)
+    for start, hook in (((-0.5, 0.1, 0.2), (0.3, 0.05, 0.1)), ((0.1, 0.4, 0.3), (0.25, 0.0, -0.1))):
+        place = np.array([0.1, radius, 0.3])
+        path = eq.Cable((eq.Point("world", start), eq.Swivel("world", tuple(place), radius), eq.Point("fore", hook)))
+        run = place - start
+        gap = states.point(eq.Point("fore", hook))[0] - place
+        ahead = gap @ run / np.linalg.norm(run)
+        aside = np.sqrt((gap * gap).sum(-1) - ahead**2)
+        free = np.sqrt(ahead**2 + aside**2 - 2 * aside * radius)
+        wrap = np.arctan2(aside - radius, ahead) + np.arctan2(radius, free)
+        np.testing.assert_allclose(path.embraces(states)[0][1], wrap, atol=1e-12)
+        np.testing.assert_allclose(path.deform(states)[0], np.linalg.norm(run) + radius * wrap + free, atol=1e-12)
+    np.testing.assert_allclose(wrap, np.pi / 2, atol=1e-12)
+    distance = np.linalg.norm(gap + np.array([0.0, radius, 0.0]), axis=1)
+    np.testing.assert_allclose(np.ptp(path.deform(states)[0] - distance), 0.0, atol=1e-12)
+
+
+def test_a_swivel_needs_a_run_that_is_fixed_to_its_body():
+    mech, hook = arm(), eq.Point("fore", (0.2, 0, 0))
+    moving = eq.Cable((eq.Point("world", (0.1, 0, 0.3)), eq.Swivel("upper", (0.1, 0, 0.1), 0.02), hook))
+    beside = eq.Cable(
+        (eq.Point("world"), eq.Swivel("world", (0.1, 0, 0.1), 0.02), eq.Pulley("upper", radius=0.1), hook)
+    )
+    last = eq.Cable((eq.Point("world"), eq.Swivel("upper", (0.1, 0, 0.1))))
+    # Its length follows no single distance.
+    assert (
+        eq.Cable((eq.Point("world"), eq.Swivel("world", (0.1, 0, 0.1), 0.02), hook)).run(at(mech, [0.1, 0.2])) is None
+    )
+    for path, words in ((moving, "no line to swivel about"), (beside, "beside another"), (last, "ends on a pulley")):
+        with pytest.raises(eq.InputError, match=words):
+            path.check(mech, "s")
+
+
 def test_files_refuse_cables_that_they_cannot_hold():
     mech = arm()
     through = (

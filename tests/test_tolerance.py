@@ -224,3 +224,20 @@ def test_quantiles_of_one_source_by_hand(source, norm):
     size = np.abs(one).max() if norm == "peak" else np.sqrt((one**2).mean())
     wanted = [NormalDist().inv_cdf((1 + level) / 2) * size for level in (0.05, 0.5, 0.95)]
     assert [band.low, band.median, band.high] == pytest.approx(wanted, rel=0.04)
+
+
+def test_an_adjuster_goes_no_further_than_a_screw():
+    mechanism = arm()
+    spring = eq.Spring("s", parts()[0].path, eq.ZeroFreeLength())
+    design = eq.balance(mechanism, [spring], sweep(mechanism), norm="peak")
+    aim, states = design.objective[0], design.states
+    listed = sources(mechanism, design.balancers, design.sweep, states, "hold", dict(design.values), eq.Scatter())
+    whole = _Specimen.of(design, aim, states, listed)
+    errors = np.random.default_rng(3).standard_normal((200, len(listed)))
+    (index, *_) = [number for number, source in enumerate(listed) if source.tunable]
+    free = whole.retuned(index, errors, np.inf)
+    held = whole.retuned(index, errors, free.travel / 4)
+    assert 0 < held.travel / 2 <= free.travel / 4 * (1 + 1e-9)
+    assert held.band.high > free.band.high
+    shown = eq.tolerance(design, samples=2000).adjuster
+    assert shown.travel / 2 <= {"m": 0.05 * mechanism.size}.get(shown.unit, 0.25) * (1 + 1e-9)

@@ -25,6 +25,7 @@ _HOME = {
     "Line": "balancers.paths",
     "Cable": "balancers.paths",
     "Pulley": "balancers.paths",
+    "Swivel": "balancers.paths",
     "Angle": "balancers.paths",
     "Absolute": "balancers.paths",
     "FourBar": "balancers.paths",
@@ -334,6 +335,7 @@ __all__ = [
     "Stroke",
     "Supply",
     "Sweep",
+    "Swivel",
     "Tension",
     "Tilt",
     "TimePolynomial",
@@ -476,6 +478,7 @@ if TYPE_CHECKING:
         Reel,
         ScotchYoke,
         SliderCrank,
+        Swivel,
         Winding,
     )
     from equipoise.balancers.payload import Adjustment, payload_rule

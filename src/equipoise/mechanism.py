@@ -203,6 +203,14 @@ class Mechanism:
         """Total mass, kg, without the traces that bodies of no mass carry."""
         return float(self.model.body_mass[self.model.body_mass > MASSLESS].sum())
 
+    @cached_property
+    def size(self) -> float:
+        """The longest way from the base along the bodies, m; 1 where all sit on the base."""
+        reach = np.zeros(self.model.nbody)
+        for body, (parent, place) in enumerate(zip(self.model.body_parentid, self.model.body_pos, strict=True)):
+            reach[body] = reach[parent] + np.linalg.norm(place)
+        return float(reach[self.model.body_weldid != 0].max(initial=0.0)) or 1.0
+
     def forward(self, q: Array, velocity: Array | None, names: Sequence[str]) -> list[Array]:
         """Fields (N, ...) that MuJoCo computes of postures q (N, nq) at velocities (N, nv), on all cores.
 

@@ -14,6 +14,7 @@ from equipoise.errors import InputError
 from equipoise.make.synthesis import Part
 from equipoise.objective import leading
 from equipoise.problem import Problem
+from equipoise.reporting.numbers import quantity
 from equipoise.targets import Target, needs_problem, target_of
 from equipoise.verbs import balance as verbs_balance
 from equipoise.verbs import shape as verbs_shape
@@ -128,7 +129,10 @@ def discovery(
     """The problem that a discovery works on: a file's own `discover` block, or a robot's, changed by what was said."""
     from equipoise.discovery.ask import asked
 
-    return asked(_target(file), payload, at, springs, kinds, make)
+    problem = asked(_target(file), payload, at, springs, kinds, make)
+    if leading(problem.objective).divisor == "motor" and len(set(problem.mechanism.driven_units)) > 1:
+        say("note: hinges (N m) and slides (N) are loaded: each joint counts as a share of its motor's limit")
+    return problem
 
 
 def discovered(problem: Problem) -> tuple[Discovery, bool]:
@@ -145,7 +149,7 @@ def discovered(problem: Problem) -> tuple[Discovery, bool]:
             nonlocal reached
             reached = done, most, value
             if progress is None:
-                best = "nothing gained yet" if isnan(value) else f"{value:.3g} {unit}"
+                best = "nothing gained yet" if isnan(value) else quantity(value, unit, 3)
                 say(f"discover    {done} of {most} numbers of parts done, {best}")
             else:
                 progress(*reached)

@@ -46,6 +46,7 @@ from equipoise.balancers.paths import (
     ScotchYoke,
     Shaft,
     SliderCrank,
+    Swivel,
     Turn,
     Winding,
 )
@@ -156,7 +157,7 @@ PROFILES: dict[str, Callable[..., Any]] = {
     "constant_torque": ConstantTorque,
 }
 STARTS: dict[str, Callable[..., Any]] = {"prescribed": Prescribed}
-PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley}
+PULLEYS: dict[str, Callable[..., Any]] = {"pulley": Pulley, "swivel": Swivel}
 LAWS: dict[str, Callable[..., Any]] = {
     "zero_free_length": ZeroFreeLength,
     "linear": Linear,

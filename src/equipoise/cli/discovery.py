@@ -38,6 +38,7 @@ def discover(
 def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, stopped: bool) -> int:
     """Verify the designs of a front, write them, and say what there is to say."""
     from equipoise.discovery.ask import design_problem
+    from equipoise.discovery.words import summary
     from equipoise.reporting.front_page import page
     from equipoise.solving import judged
     from equipoise.verbs.verify import verify as run
@@ -60,7 +61,7 @@ def _fronted(front: Discovery, problem: Problem, json: bool, out: Path | None, s
                 (stage / "report.html").write_text(page(front), encoding="utf-8")
     lines += [f"front       {out / 'front.json'}"] if out is not None else []
     lines += [f"report      {out / 'report.html'}"] if out is not None and not stopped else []
-    say("\n".join([str(front), *lines]))
+    say("\n".join([summary(front, out), *lines]))
     missed = [design.missed for design in front.designs]
     reasons = [f"target missed by every design: {missed[-1]}"] if all(missed) else []
     return ended(front, json, stopped, [*disagreements(front.designs), *reasons])

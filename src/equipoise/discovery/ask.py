@@ -16,11 +16,18 @@ from equipoise.limits import Elongation, Extension
 from equipoise.loops import ancestors
 from equipoise.mechanism import Mechanism
 from equipoise.problem import Problem, problem_of
+from equipoise.reporting.numbers import loads
+from equipoise.sweep import Sweep
 from equipoise.targets import Target
 from equipoise.units import to_si
+from equipoise.verbs.analyze import analyze
 from equipoise.yamlfile import Document
 
 POSES = 2048
+LOOKED = 256
+"""Poses over which joints that gravity loads are looked for."""
+TRACE, FAINT = 1e-9, 1e-6
+"""Least effort, N m or N, and least share of the largest of its kind, of a joint that gravity loads."""
 FOUND = ("balancers", "shape", "start")
 """What a discovery answers, so that no file need say it."""
 
@@ -41,7 +48,7 @@ def asked(
     content: dict[str, Any] = copy.deepcopy(dict(problem.raw))
     if target.bare:
         content["sweep"] = {"sobol": POSES, "seed": 0}
-        content["objective"] = {"goal": "hold", "norm": "peak"}
+        content["objective"] = {"goal": "hold", "norm": "peak", **counted(problem.mechanism)}
     elif not problem.content.discover and problem.content.balancers:
         raise InputError(
             "the file says its balancers, so there is nothing to discover",
@@ -61,6 +68,23 @@ def asked(
     made = problem_of(Document(problem.document.name, content), problem.folder)
     made.check()
     return made
+
+
+def counted(mechanism: Mechanism) -> dict[str, Any]:
+    """What an objective says of a robot with hinges and slides: N m and N are no two amounts of one thing.
+
+    Where gravity loads one kind alone, joints of that kind count; where it loads both, each by its motor's limit if the
+    file states them all.
+    """
+    if len(set(mechanism.driven_units)) == 1:
+        return {}
+    rows = analyze(mechanism, Sweep.sobol(mechanism, LOOKED)).rows
+    loaded = [name for name, share in loads(rows).items() if rows[name].peak > TRACE and share > FAINT]
+    kinds = {rows[name].unit for name in loaded}
+    if len(kinds) == 1:
+        return {"joints": [name for name, row in rows.items() if row.unit in kinds]}
+    known = all(rows[name].limit for name in loaded)
+    return {"joints": loaded, "divisor": "motor"} if kinds and known else {}
 
 
 def masses(text: str) -> list[float]:

@@ -92,7 +92,7 @@ def collect(mechanism: Mechanism, sweep: Sweep, request: Discover, aim: Aim) -> 
     found = analyze(mechanism, few)
     ground = Ground(mechanism, np.abs(whole.holding).max(axis=0), found.worth)
     pairs = _pairs(ground, request)
-    margin = request.margin or MARGIN * ground.size
+    margin = request.margin or MARGIN * ground.mechanism.size
     spots, spacing = _spots(ground, pairs, request, margin)
     bare = mechanism.states(replace(few, payloads=(), scenarios=np.zeros((1, 0))))
     columns, scale = aim.columns(mechanism)
@@ -173,7 +173,7 @@ def _spots(
                 where="discover.spacing" if request.spacing else "discover.points",
                 hint="widen the spacing, list fewer points, or raise `candidates`",
             )
-        if spacing > 4 * margin + ground.size:
+        if spacing > 4 * margin + ground.mechanism.size:
             raise InputError(
                 f"{len(pairs)} pairs do not fit into {request.candidates} candidates",
                 where="discover.candidates",

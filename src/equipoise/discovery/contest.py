@@ -13,13 +13,13 @@ from equipoise.errors import EquipoiseError
 from equipoise.objective import leading
 from equipoise.parts.makeable import Makeable
 from equipoise.peaks import STARTS
+from equipoise.reporting.numbers import quantity
 from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.exchange import solve
 from equipoise.sweep import Sweep
 from equipoise.tasks import Task, certify, finish
 from equipoise.tasks.between import between
 from equipoise.tasks.task import Balanced
-from equipoise.units import text
 from equipoise.verbs.shape import load_of
 
 EXCESS = 1e-5
@@ -149,7 +149,7 @@ class Contest:
         """What a contender came to over the refinement's poses, beside what won there."""
         unit = leading(self.refiner.objective).unit(self.refiner.mechanism)
         mine, won = (
-            text(value if value > NOTHING * self.refiner.bare else 0.0, unit, 3)
+            quantity(value if value > NOTHING * self.refiner.bare else 0.0, unit, 3)
             for value in (one.refined.value, best.refined.value)
         )
         return f"refined as far as it promised it came to {mine}, the winner to {won}"

@@ -130,7 +130,7 @@ def bounds_of(collection: Collection, sweep: Sweep, aim: Aim) -> tuple[Bound, ..
     if aim.norm != "peak":
         return ()
     scale = dict(zip(aim.counted(mechanism), aim.scales(mechanism), strict=True))
-    unit = aim.unit(mechanism)
+    units = {block.name: aim.unit(mechanism) if aim.divisor else block.unit for block in aim.blocks(mechanism)}
     found = []
     if len(sweep.scenarios) > 1:
         lightest = int(sweep.scenarios.sum(axis=1).argmin())
@@ -142,12 +142,14 @@ def bounds_of(collection: Collection, sweep: Sweep, aim: Aim) -> tuple[Bound, ..
         rows = table(mechanism, sweep, mechanism.states(sweep), half)
         floor = FAINT * max(row.peak for row in rows.values())
         found += [
-            Bound(name, rows[name].peak * scale[name], unit, "payload") for name in scale if rows[name].peak > floor
+            Bound(name, rows[name].peak * scale[name], units[name], "payload")
+            for name in scale
+            if rows[name].peak > floor
         ]
     own = collection.analysis.rows
     floor = FAINT * max(own[name].peak for name in scale)
     found += [
-        Bound(name, own[name].peak * scale[name], unit, "own")
+        Bound(name, own[name].peak * scale[name], units[name], "own")
         for name in scale
         if own[name].peak > floor and mechanism.joint_id(name) not in collection.reached
     ]

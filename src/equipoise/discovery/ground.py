@@ -99,16 +99,6 @@ class Ground:
         names = tuple(model.body(b).name for b in members)
         return Group(names[0], names, np.array(pieces), centre)
 
-    @cached_property
-    def size(self) -> float:
-        """The longest way from the base along the bodies, m."""
-        model = self.mechanism.model
-        reach = np.zeros(model.nbody)
-        for body in range(1, model.nbody):
-            reach[body] = reach[model.body_parentid[body]] + np.linalg.norm(model.body_pos[body])
-        moving = model.body_weldid != 0
-        return float(reach[moving].max(initial=0.0)) or 1.0
-
     def group_of(self, body: str) -> Group:
         """The group of a body; raises InputError for a body that does not exist."""
         root = int(self.mechanism.model.body_weldid[self.mechanism.body_id(body)])

@@ -16,11 +16,11 @@ from equipoise.discovery.refine import Parts, addition, built, judge
 from equipoise.discovery.stage import Stage
 from equipoise.discovery.subsets import Ranked, Subset
 from equipoise.errors import EquipoiseError
-from equipoise.objective import Aim
+from equipoise.objective import Aim, leading
+from equipoise.reporting.numbers import quantity
 from equipoise.scattering import tolerance
 from equipoise.solve.program import Norm
 from equipoise.sweep import Sweep
-from equipoise.units import text
 from equipoise.verification.saved import installed
 
 
@@ -36,11 +36,16 @@ class Found:
     floor: float = 0.0
     stopped: bool = False
 
+    def words(self, value: float) -> str:
+        """A value of the objective with its unit."""
+        refiner = self.contest.refiner
+        return quantity(value, leading(refiner.objective).unit(refiner.mechanism), 3)
+
     def lose(self, contender: Contender, reason: str) -> None:
         """Tell why there is no design with so many parts."""
         self.contest.lose(contender, reason)
         one = self.contest.lost[-1]
-        self.notes.append(f"with {one.springs}: no design, {reason} ({one.value:.3g} was reached)")
+        self.notes.append(f"with {one.springs}: no design, {reason} ({self.words(one.value)} was reached)")
 
 
 def grow(found: Found, collection: Collection, ranked: Ranked, count: int, sweep: Sweep, aim: Aim) -> None:
@@ -108,5 +113,4 @@ def _finish(found: Found, sweep: Sweep, aim: Aim, best: Contender) -> None:
     found.designs.append(design)
     found.values.append(design.reached(aim))
     if best.unwound is not None:
-        words = f"{text(best.unwound.value, aim.unit(refiner.mechanism), 3)} before rounding to sizes"
-        found.notes.append(f"with {count}: {words}")
+        found.notes.append(f"with {count}: {found.words(best.unwound.value)} before rounding to sizes")

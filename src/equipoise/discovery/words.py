@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
+
 from equipoise.balancers.laws import ZeroFreeLength
 from equipoise.balancers.paths import Line
 from equipoise.balancers.spring import Spring
@@ -25,12 +29,17 @@ NOTHING = 1e-9
 """Share of the value before below which nothing is left."""
 FAINT = 0.01
 """Share of the highest floor below which floors are only named."""
+HEAVY = 20.0
+"""Multiple of the mechanism's weight above which a spring's force is remarked on."""
 CLOSE = 1.01
 """Multiple of a floor at which it counts as reached."""
 
 
-def summary(front: Discovery) -> str:
-    """The front as the console prints it: a table, floors, what was looked at, then every design."""
+def summary(front: Discovery, out: Path | None = None) -> str:
+    """The front as the console prints it: a table, floors, what was looked at, then every design.
+
+    out is the folder that its designs are written to.
+    """
     mechanism, sweep = front.designs[0].mechanism, front.designs[0].sweep
     joints = len(mechanism.driven)
     lines = wrapped(
@@ -43,7 +52,7 @@ def summary(front: Discovery) -> str:
     for index in range(len(front.designs)):
         lines += ["", *_design(front, index)]
     lines.append("")
-    for step in next_steps(front):
+    for step in next_steps(front, out):
         lines += labelled("next", step)
     if front.stopped:
         lines.append("the search was stopped by hand: these designs were finished")
@@ -173,25 +182,40 @@ def alternative_words(design: Design, one: Alternative) -> str:
     return f"{count}{' and '.join(one.places)}, {reached_words(design, one)}: {one.reason}"
 
 
-def next_steps(front: Discovery) -> list[str]:
+def next_steps(front: Discovery, out: Path | None = None) -> list[str]:
     """At most three things worth trying."""
     best = front.designs[front.recommended]
     springs = [b for b in best.balancers if isinstance(b, Spring)]
     steps = []
     if best.missed:
         steps.append("allow more parts (`springs`), other `kinds`, or a wider `margin`: the target is missed")
+    steps += _overdone(best)
     collides = bool(front.clashes) and any(clash.depth for clash in front.clashes[front.recommended])
     if collides and any(isinstance(spring.path, Line) for spring in springs):
         steps.append("`avoid: bodies` in the `discover` block keeps springs out of the links")
     if any(isinstance(spring.law, ZeroFreeLength) for spring in springs):
         steps.append("a spring of zero free length is a coil with a cable over a guide: `kinds: [cable]` lays them out")
-    folder = f"DIR/{front.folder(best)}/design.json"
+    file = f"{out or 'DIR'}/{front.folder(best)}/design.json"
+    first = "" if out else "`--out DIR` writes the designs; "
     if any(spring.path.unit == "m" and not isinstance(spring.law, Part) for spring in springs):
         steps.append("`--make SH` looks for springs that can be wound from the start, their own masses counted")
-        steps.append(f"`--out DIR` writes the designs; `equipoise pick {folder}` finds parts one can buy or wind")
+        steps.append(f"{first}`equipoise pick {file}` finds parts one can buy or wind")
     else:
-        steps.append(f"`--out DIR` writes the designs; `equipoise report {folder}` draws one")
+        steps.append(f"{first}`equipoise report {file}` draws one")
     return steps[:3]
+
+
+def _overdone(design: Design) -> list[str]:
+    """A force that no robot of this weight is built to bear, and what limits it."""
+    weight = design.mechanism.mass * float(np.linalg.norm(design.mechanism.gravity))
+    pulls = {part["name"]: max(map(abs, part["force"])) for part in design.parts() if part.get("unit") == "m"}
+    name = max(pulls, key=lambda spring: pulls[spring], default="")
+    if not pulls or pulls[name] <= HEAVY * weight:
+        return []
+    times = f"{sig(pulls[name] / weight, 2)} times the mechanism's weight"
+    return [
+        f"{name} pulls {quantity(pulls[name], 'N', 3)}, {times}: a smaller `force` of its kind looks for gentler ones"
+    ]
 
 
 def bound_words(bound: Bound) -> str:

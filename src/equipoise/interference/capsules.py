@@ -80,7 +80,7 @@ class Shell:
 def shell(mechanism: Mechanism, radius: float | None = None) -> Shell:
     """Capsules of all groups; radius, m, is that of the drawn ones (default: 4 % of the mechanism's size)."""
     ground = Ground(mechanism, np.zeros(len(mechanism.driven)), ())
-    drawn = radius if radius is not None else SHARE * ground.size
+    drawn = radius if radius is not None else SHARE * ground.mechanism.size
     pieces: dict[str, list[Array]] = {}
     for body, points in shapes(mechanism):
         group = ground.group_of(body)

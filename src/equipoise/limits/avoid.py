@@ -11,7 +11,7 @@ import numpy as np
 
 from equipoise import units
 from equipoise.affine import Array
-from equipoise.balancers.paths import Cable, Line, Pulley
+from equipoise.balancers.paths import Cable, Line
 from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.interference import closest, shell
@@ -68,7 +68,7 @@ def runs(spring: Spring) -> tuple[Line, ...]:
         return (spring.path,)
     if not isinstance(spring.path, Cable):
         return ()
-    points = [item.centre if isinstance(item, Pulley) else item for item in spring.path.through]
+    points = [item if isinstance(item, Point) else item.centre for item in spring.path.through]
     return tuple(Line(a, b) for a, b in pairwise(points) if a.body != b.body)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
-from equipoise.balancers.paths import Mount, Profile
+from equipoise.balancers.paths import Mount, Profile, Pulley
 from equipoise.mechanism import Point
 from equipoise.parameters import tag
 from equipoise.reporting.numbers import place, quantity
@@ -38,15 +38,21 @@ def _fields(item: Any) -> list[str]:
     return words
 
 
+def _part(value: Any) -> str:
+    """A piece of a path; a pulley of no size and mass is an eye."""
+    if isinstance(value, Pulley) and not value.radius and not value.mass:
+        return f"eye ({value.body} {place(value.at)})"
+    inner = ", ".join(_fields(value))
+    return f"mounted at {inner}" if isinstance(value, Mount) else f"{_kind(value)} ({inner})"
+
+
 def _value(value: Any, unit: str) -> str:
     if isinstance(value, Point):
         return f"{value.body} {place(value.at)}"
     if isinstance(value, Profile):
         return f"of {len(value.angles)} points"
     if is_dataclass(value):
-        kind = "mounted at" if isinstance(value, Mount) else _kind(value)
-        inner = ", ".join(_fields(value))
-        return f"{kind} {inner}" if isinstance(value, Mount) else f"{kind} ({inner})"
+        return _part(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
         if isinstance(value, tuple):
             numbers = value and all(isinstance(entry, int | float) for entry in value)

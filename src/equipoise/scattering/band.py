@@ -25,6 +25,8 @@ TUNED = 400
 """Samples in which every adjuster is tried."""
 LADDER = 81
 """Values of one error from which its own band is read."""
+TRAVEL = {"": 0.25, "m": 0.05, "rad": 0.25}
+"""How far an adjuster goes to either side: a share of a force, of the mechanism's size, an angle, rad."""
 AT_ONCE = 500_000
 FAR = 6.0
 """Standard deviations beyond which nothing is expected."""
@@ -58,7 +60,10 @@ class Alone:
 
 @dataclass(frozen=True)
 class Retuned:
-    """What one adjuster, set anew for every specimen, leaves; travel, in `unit`, serves 95 % of them."""
+    """What one adjuster, set anew for every specimen, leaves; travel, in `unit`, serves 95 % of them.
+
+    It goes no further than a screw would: 5 % of the mechanism's size, a quarter of a force or of a radian.
+    """
 
     name: str
     unit: str
@@ -148,7 +153,10 @@ def tolerance(
     drawn = np.concatenate([specimen.values(chunk) for chunk in chunks])
     alone = [Alone(s.name, s.tolerance, s.unit, high) for s, high in zip(found, specimen.alone(), strict=True)]
     alone.sort(key=lambda one: -one.high)
-    adjusters = [tuned.retuned(index, errors[:TUNED]) for index, source in enumerate(found) if source.tunable]
+    most = TRAVEL | {"m": TRAVEL["m"] * design.mechanism.size}
+    adjusters = [
+        tuned.retuned(index, errors[:TUNED], most[source.unit]) for index, source in enumerate(found) if source.tunable
+    ]
     best = min(adjusters, key=lambda one: (one.band.high, one.travel), default=None)
     return Tolerance(aim.norm, unit, _band(nominal, drawn), tuple(alone), best, samples, len(states), seed, scatter)
 
@@ -233,11 +241,12 @@ class _Specimen:
             for pull in self.pull
         ]
 
-    def retuned(self, index: int, errors: Array) -> Retuned:
-        """The band when one source serves as adjuster, by golden sections of the norm, convex in the setting."""
+    def retuned(self, index: int, errors: Array, most: float) -> Retuned:
+        """The band when one source serves as adjuster up to `most`, by golden sections of the norm, which is convex."""
         pull, source = self.pull[index], self.sources[index]
         rows = self.rows(errors)
         reach = 2 * self.norms(rows) / max(float(self.norms(pull[None])[0]), 1e-300)
+        reach = np.minimum(reach, most / (source.tolerance / 2))
         low, high = -reach, reach
 
         def left(setting: Array) -> Array:

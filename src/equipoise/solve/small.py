@@ -36,9 +36,13 @@ def elastic(H: Array, q: Array, A: Array, e: Array, low: Array, high: Array, pri
     point, active = [z, slack, dual], np.arange(count)
     answer, multipliers = np.empty((n, count)), np.empty((m, count))
     for _ in range(ITERATIONS):
-        point, left = _step(*data, *point)
+        # A matrix that is singular to rounding has no step: the point before it is the answer.
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            moved, left = _step(*data, *point)
+        sound = np.all([np.isfinite(part).all(axis=0) for part in moved], axis=0)
+        point = [np.where(sound, new, old) for new, old in zip(moved, point, strict=True)]
         answer[:, active], multipliers[:, active] = point[0], point[2][:m]
-        going = left > PRECISION
+        going = sound & (left > PRECISION)
         if not going.any():
             break
         if going.mean() < FEWER:

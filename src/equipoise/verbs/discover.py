@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from equipoise.design import Design
 from equipoise.discovery.alternative import Alternative
-from equipoise.discovery.collect import collect
+from equipoise.discovery.collect import Collection, collect
 from equipoise.discovery.contest import ALIKE, NOTHING, Contest
 from equipoise.discovery.front import Discovery, bounds_of
 from equipoise.discovery.growing import Found, grow
@@ -75,6 +75,7 @@ def discover(
     few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
     found = Found(Contest(refiner, scatter or Scatter(), sweep, tell=tell))
+    found.notes += _mixed(collection, aim)
     found.floor = max([bound.value for bound in bounds] + [NOTHING * refiner.bare])
     try:
         for count in range(1, request.springs + 1):
@@ -90,7 +91,7 @@ def discover(
             raise
         found.stopped = True
     if not found.designs:
-        reasons = (one.reason for one in found.alternatives)
+        reasons = (one.reason for one in found.contest.lost)
         told = "".join(f"; {note}" for note in dict.fromkeys((*found.notes, *reasons)))
         raise InfeasibleError(
             f"no subset of the candidates gains anything within the limits{told}",
@@ -116,6 +117,16 @@ def discover(
         stopped=found.stopped,
         values=tuple(found.values),
     )
+
+
+def _mixed(collection: Collection, aim: Aim) -> list[str]:
+    """That efforts of hinges and slides count alike, where they do."""
+    rows, mechanism = collection.analysis.rows, collection.scene.ground.mechanism
+    units = {rows[name].unit for name in aim.counted(mechanism) if name in collection.analysis.worth}
+    if aim.divisor or len(units) < 2:
+        return []
+    hint = "`divisor: motor` weighs joints by their motors, `joints` names those of one kind"
+    return [f"1 N at a slide counts as 1 N m at a hinge: {hint}"]
 
 
 def _considered(found: Found) -> tuple[Design, ...]:

@@ -90,16 +90,17 @@ class Search:
         count, ways, _ = starts.shape
         which, gamma = np.repeat(np.arange(count), ways), starts.reshape(count * ways, -1)
         theta = np.zeros((len(gamma), len(self.work.box[0]) - gamma.shape[1]))
+        rough = Fitted(gamma, theta, np.zeros(len(gamma)), np.zeros(len(gamma)))
         for kept, steps in GLANCES:
-            rough = self._fit(self.work.few, rows[which], number[which], gamma, theta, steps)
+            rough = self._fit(self.work.few, rows[which], number[which], rough.gamma, rough.theta, steps)
             order = np.lexsort((self._promise(rough, count), which)).reshape(count, -1)[:, :kept].ravel()
             which, rough = which[order], rough.take(order)
-            gamma, theta = rough.gamma, rough.theta
         # What passes a limit by far after so many steps will not keep it.
         todo = np.flatnonzero(rough.excess <= MISSED)
         if not len(todo):
             return which, rough
-        found = self._fit(self.work.few, rows[which[todo]], number[which[todo]], gamma[todo], theta[todo])
+        further = rough.take(todo)
+        found = self._fit(self.work.few, rows[which[todo]], number[which[todo]], further.gamma, further.theta)
         return which, rough.updated(todo, found)
 
     def _fit(self, states: States, rows: Rows, number: Array, gamma: Array, theta: Array, steps: int = STEPS) -> Fitted:

@@ -18,6 +18,7 @@ from equipoise.balancers.paths.reel import Reel
 from equipoise.balancers.paths.scotch_yoke import ScotchYoke
 from equipoise.balancers.paths.shaft import Shaft
 from equipoise.balancers.paths.slider_crank import SliderCrank
+from equipoise.balancers.paths.swivel import Swivel
 from equipoise.balancers.paths.turn import Turn
 from equipoise.balancers.paths.winding import Winding
 
@@ -46,6 +47,7 @@ __all__ = [
     "Shaft",
     "Sketch",
     "SliderCrank",
+    "Swivel",
     "Turn",
     "Winding",
 ]

@@ -14,8 +14,9 @@ from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.mount import along_mount
 from equipoise.balancers.paths.path import Moving, Need, Path, Place, Run, Sketch
 from equipoise.balancers.paths.pulley import Pulley
-from equipoise.balancers.paths.rigging import guides, rig
+from equipoise.balancers.paths.rigging import guides, rig, wraps
 from equipoise.balancers.paths.rub import Rub
+from equipoise.balancers.paths.swivel import Swivel
 from equipoise.balancers.paths.taut import CLOSE, Node, Taut, clearances, embraces, taut
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
@@ -30,16 +31,16 @@ class Cable(Path):
 
         l = ratio L + offset,   L = sum_i t_i + sum_i r_i w_i,   dL/dq = sum_i t_i' . (J_i+1 - J_i)
 
-    through lists Points and Pulleys from the first end to the last, m; t_i are the straight runs between points and
-    tangents, t_i' their directions, w_i the angles wrapped about pulleys of radius r_i, and J_i the Jacobians of
-    points and centres: a sheave turns freely, so its pull goes through its centre. ratio is that of a tackle (no
-    unit), offset in m: minus the cable's own length leaves the spring's. A pulley works in its plane; the cable
-    lifts off where it would run straight past it. With ratio 1 and no offset the whole cable is the spring, an
+    through lists Points, Pulleys and Swivels from the first end to the last, m; t_i are the straight runs between
+    points and tangents, t_i' their directions, w_i the angles wrapped about pulleys of radius r_i, and J_i the
+    Jacobians of points and centres: a sheave turns freely, so its pull goes through its centre. ratio is that of a
+    tackle (no unit), offset in m: minus the cable's own length leaves the spring's. A pulley works in its plane; the
+    cable lifts off where it would run straight past it. With ratio 1 and no offset the whole cable is the spring, an
     elastic cord; else the spring hangs on the first point and pulls the cable's end along the first run. Raises
     InputError for a cable that leaves a pulley's plane, a point inside a pulley and a wrap that may be a turn off.
     """
 
-    through: tuple[Point | Pulley, ...]
+    through: tuple[Point | Pulley | Swivel, ...]
     ratio: Number = 1.0
     offset: Length = 0.0
 
@@ -50,11 +51,11 @@ class Cable(Path):
 
     def taut(self, states: States) -> Taut:
         """The cable with its runs and wraps."""
-        return taut([_node(item, states) for item in self.through])
+        return taut(self._nodes(states))
 
     def run(self, states: States) -> Run | None:
         """The only run between bodies that move against each other, where the cable goes through eyes alone."""
-        if any(isinstance(item, Pulley) and np.any(item.radius) for item in self.through):
+        if any(wraps(item) for item in self.through):
             return None
         points = [self._place(index) for index in range(len(self.through))]
         model = states.mechanism.model
@@ -69,16 +70,20 @@ class Cable(Path):
 
     def embraces(self, states: States) -> list[tuple[int, Array, Array]]:
         """Place among `through`, wrap (..., N), rad, and its rate (..., N, nd) of each pulley, were none left."""
-        return embraces([_node(item, states) for item in self.through])
+        return embraces(self._nodes(states))
 
     def clearances(self, states: States) -> list[tuple[Array, Array]]:
         """How far, m, the neighbours of pulleys are from their rims, and from their centres, (..., N)."""
-        return clearances([_node(item, states) for item in self.through])
+        return clearances(self._nodes(states))
 
     def rubs(self, states: States) -> tuple[Rub, ...]:
-        """Every sheave by the share of half a turn that the cable wraps; an eye by the angle it turns the cable."""
+        """Every sheave by the share of half a turn that the cable wraps; an eye by the angle it turns the cable.
+
+        The i-th of a tackle's n falls moves by i / n of the cable, half a turn about a sheave each: 1/n + ... + (n-1)/n.
+        """
         cable = self.taut(states)
-        found = []
+        tackle = (1 - abs(float(self.ratio))) / 2
+        found = [Rub("rope", np.full(len(cable.rate), tackle), cable.rate[:, None])] if tackle > 0 else []
         for index in range(1, len(self.through) - 1):
             before, after = cable.direction[:, index - 1], cable.direction[:, index]
             pace = cable.rate[:, None]
@@ -104,7 +109,17 @@ class Cable(Path):
 
     def _place(self, index: int) -> Point:
         item = self.through[index]
-        return item.centre if isinstance(item, Pulley) else item
+        return item if isinstance(item, Point) else item.centre
+
+    def _nodes(self, states: States) -> list[Node]:
+        places = [states.point(self._place(index))[0] for index in range(len(self.through))]
+        nodes = []
+        for index, item in enumerate(self.through):
+            if isinstance(item, Swivel):
+                nodes.append(item.node(states, places[index - 1], places[index + 1]))
+            else:
+                nodes.append(_node(item, states))
+        return nodes
 
     def _hook(self, states: States) -> tuple[Array, Array]:
         length, rate = self.deform(states)
@@ -127,7 +142,7 @@ class Cable(Path):
 
     def weights(self) -> tuple[tuple[Place, Any], ...]:
         """The pulleys."""
-        return tuple((item.centre, item.mass) for item in self.through if isinstance(item, Pulley))
+        return tuple((item.centre, item.mass) for item in self.through if not isinstance(item, Point))
 
     def check(self, mechanism: Mechanism, name: str) -> None:
         """Raise InputError for too few points, a cable whose length never changes, bad radii or masses."""
@@ -144,17 +159,33 @@ class Cable(Path):
                 hint="lead it over two bodies with a joint between them",
             )
         for item in (self.through[0], self.through[-1]):
-            if isinstance(item, Pulley) and np.any(item.radius):
+            if wraps(item) or isinstance(item, Swivel):
                 raise InputError(
                     f"the cable of spring {name} ends on a pulley, which it would run off",
                     where=where,
                     hint="end it at a point; where a drum winds it, use the path `drum`",
                 )
         for number, item in enumerate(self.through, 1):
-            if isinstance(item, Pulley):
+            if not isinstance(item, Point):
                 item.check(mechanism, f"{where}, through {number}")
+            if isinstance(item, Swivel):
+                self._check_swivel(mechanism, number - 1, f"{where}, through {number}")
         if np.ndim(self.ratio) == 0 and self.ratio == 0:
             raise InputError(f"the ratio of the cable of spring {name} is 0", where=where)
+
+    def _check_swivel(self, mechanism: Mechanism, index: int, where: str) -> None:
+        """Raise InputError for a swivel that nothing fixed leads to, or beside another round pulley."""
+        item, before, after = self.through[index], self.through[index - 1], self.through[index + 1]
+        lead, follow = (ancestors(mechanism.model, mechanism.body_id(one.body)) for one in (before, item))
+        if lead != follow:
+            raise InputError(
+                f"the run that reaches the swivel leads from {before.body} to {item.body}, which move against each "
+                "other, so it is no line to swivel about",
+                where=where,
+                hint="put an eye on the swivel's body before it",
+            )
+        if wraps(before) or wraps(after):
+            raise InputError("a swivel stands beside another round pulley", where=where, hint="put an eye between them")
 
     def needs(self, states: States) -> tuple[Need, ...]:
         """No point runs into a pulley."""
@@ -201,9 +232,9 @@ class Cable(Path):
         first, last = line[0], line[1]
         share = 0.45
         discs = tuple(
-            (states.point(item.centre)[0][row], float(item.radius), states.rotation(item.body)[0][row] @ item.axis)
-            for item in self.through
-            if isinstance(item, Pulley) and item.radius
+            (node.position[row], abs(float(node.turn)), node.normal[row])
+            for node in cable.nodes
+            if node.wraps and node.normal is not None
         )
         middle = first + share * (last - first)
         places = tuple(self._place(index) for index in range(len(self.through)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
@@ -48,9 +48,7 @@ class Pulley:
     def check(self, mechanism: Mechanism, where: str) -> None:
         """Raise InputError for a body that is not there, a negative radius or mass, an axis that points nowhere."""
         mechanism.body_id(self.body)
-        for what, value, unit in (("radius", self.radius, "m"), ("mass", self.mass, "kg")):
-            if np.any(np.real(value) < 0) or not np.all(np.isfinite(value)):
-                raise InputError(f"the {what} of the pulley is {value:g} {unit}, it cannot be negative", where=where)
+        check_wheel(self.radius, self.mass, where)
         if not np.linalg.norm(self.axis) > 0 or not np.isfinite(self.axis).all():
             raise InputError(f"the axis of the pulley is {tuple(self.axis)}, which points nowhere", where=where)
 
@@ -70,3 +68,10 @@ class Pulley:
             contype=0,
             conaffinity=0,
         )
+
+
+def check_wheel(radius: Any, mass: Any, where: str) -> None:
+    """Raise InputError for a negative radius, m, or mass, kg, of a pulley."""
+    for what, value, unit in (("radius", radius, "m"), ("mass", mass, "kg")):
+        if np.any(np.real(value) < 0) or not np.all(np.isfinite(value)):
+            raise InputError(f"the {what} of the pulley is {value:g} {unit}, it cannot be negative", where=where)

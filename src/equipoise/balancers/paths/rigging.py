@@ -14,13 +14,15 @@ from equipoise.affine import Array
 from equipoise.balancers.paths import bodies
 from equipoise.balancers.paths.mount import Mount, along_mount
 from equipoise.balancers.paths.pulley import Pulley
+from equipoise.balancers.paths.swivel import Swivel, directions
 from equipoise.balancers.paths.taut import Taut, tangent
 from equipoise.errors import InputError
 from equipoise.loops import ancestors
 from equipoise.mechanism import Point
 from equipoise.states import States
 
-Items = Sequence[Point | Pulley]
+Item = Point | Pulley | Swivel
+Items = Sequence[Item]
 SHORT = np.radians(3.0)
 """How far from the ends of what is always wrapped an arc is split; the least play of a site beside a pulley."""
 
@@ -40,27 +42,32 @@ def rig(spec: mujoco.MjSpec, name: str, through: Items, cable: Taut, states: Sta
     for number, item in enumerate(through):
         if number and wraps(item) and wraps(through[number - 1]):
             tendon.wrap_site(_guide(spec, name, through, number - 1, cable, states))
-        if not isinstance(item, Pulley):
+        if isinstance(item, Point):
             tendon.wrap_site(bodies.add_site(spec, item, f"{name}_{number}").name)
             continue
         bodies.add_point_mass(spec, f"{name}_pulley_{number}", item.body, item.at, float(item.mass))
         if not wraps(item):
             tendon.wrap_site(bodies.add_site(spec, item.centre, f"{name}_{number}").name)
             continue
+        if isinstance(item, Swivel):
+            _swivel(spec, tendon, name, number, through, cable, states)
+            continue
         neighbours = wraps(through[number - 1]) or wraps(through[number + 1])
         _over(spec, tendon, f"{name}_{number}", item, Bend.of(item, cable, number, states), neighbours)
     return tendon
 
 
-def wraps(item: Point | Pulley) -> bool:
+def wraps(item: Item) -> bool:
     """Whether a cable lies around a place."""
-    return isinstance(item, Pulley) and bool(np.any(np.real(item.radius)))
+    return not isinstance(item, Point) and bool(np.any(np.real(item.radius)))
 
 
 def guides(through: Items, cable: Taut, states: States, name: str) -> dict[str, Array]:
     """Positions (N,) of the joints that guides between two pulleys add."""
     found: dict[str, Array] = {}
     for number, (one, other) in enumerate(pairwise(through)):
+        if isinstance(other, Swivel) and wraps(other):
+            found |= _swivelled(through, number + 1, cable, states, name)
         if not (wraps(one) and wraps(other)) or _as_one(one, other, states):
             continue
         assert isinstance(one, Pulley)
@@ -110,7 +117,7 @@ def _guide(spec: mujoco.MjSpec, name: str, through: Items, number: int, cable: T
     return str(site.name)
 
 
-def _as_one(one: Point | Pulley, other: Point | Pulley, states: States) -> bool:
+def _as_one(one: Item, other: Item, states: States) -> bool:
     """Whether two bodies never move against each other."""
     mechanism = states.mechanism
     lead, follow = (ancestors(mechanism.model, mechanism.body_id(item.body)) for item in (one, other))
@@ -121,6 +128,51 @@ def _mount(pulley: Pulley) -> Mount:
     """A frame at a pulley, square to its axis."""
     sideways = along_mount(pulley.centre, np.asarray(pulley.axis, dtype=float))
     return Mount(pulley.centre, sideways.axis, sideways.direction)
+
+
+def _swivel_mount(item: Swivel, before: Array, states: States) -> Mount:
+    """A frame where a run (from a place (N, 3) before) meets a swivel, whose axis is the run."""
+    along = states.rotation(item.body)[0][0].T @ (states.point(item.centre)[0][0] - before[0])
+    sideways = along_mount(item.centre, along)
+    return Mount(item.centre, sideways.axis, sideways.direction)
+
+
+def _swivelled(through: Items, number: int, cable: Taut, states: States, name: str) -> dict[str, Array]:
+    """Positions (N,) of a swivel's joints: its angle, how far aside and ahead the cable's next place is."""
+    item = through[number]
+    assert isinstance(item, Swivel)
+    before, after = cable.nodes[number - 1].position, cable.nodes[number + 1].position
+    position, turned = states.point(item.centre)[0], states.rotation(item.body)[0]
+    e, f, _ = _swivel_mount(item, before, states).frame
+    along, aside = directions(before, position, after)
+    return {
+        f"{name}_swivel_{number}": np.arctan2((aside * (turned @ f)).sum(-1), (aside * (turned @ e)).sum(-1)),
+        f"{name}_aside_{number}": (aside * (after - position)).sum(-1),
+        f"{name}_ahead_{number}": (along * (after - position)).sum(-1),
+    }
+
+
+def _swivel(
+    spec: mujoco.MjSpec, tendon: Any, name: str, number: int, through: Items, cable: Taut, states: States
+) -> None:
+    """Lead a tendon over a pulley on a fork that hinges about the run before it and follows the place behind it."""
+    item, after = through[number], through[number + 1]
+    assert isinstance(item, Swivel)
+    frame = bodies.add_frame(spec, _swivel_mount(item, cable.nodes[number - 1].position, states), f"{name}_at_{number}")
+    fork = bodies.add_body(frame, f"{name}_swivel_{number}", bodies.NOTHING)
+    bodies.add_joint(fork, f"{name}_swivel_{number}")
+    # In the fork's frame x leads aside and -y ahead.
+    aside = bodies.add_body(fork, f"{name}_aside_{number}", bodies.NOTHING)
+    bodies.add_joint(aside, f"{name}_aside_{number}", axis=bodies.SLIDING, slide=True)
+    ahead = bodies.add_body(aside, f"{name}_ahead_{number}", bodies.NOTHING)
+    bodies.add_joint(ahead, f"{name}_ahead_{number}", axis=(0.0, -1.0, 0.0), slide=True)
+    place = after if isinstance(after, Point) else after.centre
+    hook = (spec.body(place.body), tuple(float(v) for v in place.at))
+    bodies.add_pin(spec, f"{name}_follow_{number}", (ahead, (0.0, 0.0, 0.0)), hook)
+    radius, wrap = float(item.radius), cable.wrap[:, number]
+    wheel = Pulley(f"{name}_swivel_{number}", (radius, 0.0, 0.0), radius, axis=(0.0, 0.0, 1.0))
+    bend = Bend(wrap, np.array([-1.0, 0.0, 0.0]), np.array([0.0, -1.0, 0.0]), 0.5 * wrap)
+    _over(spec, tendon, f"{name}_{number}", wheel, bend, neighbours=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from equipoise.affine import Array
 from equipoise.balancers.laws import Coil, Law
-from equipoise.balancers.paths import Cable, Pulley
+from equipoise.balancers.paths import Cable, Pulley, Swivel
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.kinds.kind import Batch, Kind, Proposal, Scene
 from equipoise.discovery.kinds.lines import FAINT, LineKind, Lines
@@ -56,8 +56,10 @@ class CableSprings(LineKind):
     falls with at least half the rate, at zero free length, of the best of them; force in N the most of the spring.
     radius, m, is that of a guide pulley, on planar pairs and where the cable keeps to one side of it, which a limit
     `Wrap` holds; the spring then lies towards either end of its link, a housing in any of four ways in the plane. 0 is
-    an eye, or a fairlead of small rollers. Each link of a pair is tried as the one that carries the spring. With make,
-    what can be wound into the room decides (a `WindableSpring` each) in the place of elongation.
+    an eye. guide `swivel` turns the pulley about the run from the spring, so that it follows the hook to any side, out
+    of a plane too (a ring of rollers does the same); it only must not be led straight back. Each link of a pair is
+    tried as the one that carries the spring. With make, what can be wound into the room decides (a `WindableSpring`
+    each) in the place of elongation.
     """
 
     elongation: Number = 1.0
@@ -66,6 +68,7 @@ class CableSprings(LineKind):
     rooms: Mapping[str, Length] | None = None
     fittings: Length = 0.04
     radius: Length = 0.0
+    guide: Literal["pulley", "swivel"] = "pulley"
     force: Newtons = 5000.0
     make: Makeable | None = None
 
@@ -84,6 +87,13 @@ class CableSprings(LineKind):
     def words(self) -> str:
         """Coil and cable."""
         return "coil along a link with a cable through a guide"
+
+    @property
+    def astray(self) -> str:
+        """Why a pulley cannot lead the cable."""
+        if self.guide == "swivel":
+            return "the cable would be led back, or its hook meets the pulley"
+        return "the cable does not keep to one side of the pulley and in its plane"
 
     @property
     def most(self) -> float:
@@ -116,7 +126,7 @@ class CableSprings(LineKind):
                     "stroke above what a spring in the link's room can stretch": (
                         ratio * (lines.longest - lines.shortest) > extension
                     ),
-                    "the cable does not keep to one side of the pulley and in its plane": side == 0,
+                    self.astray: side == 0,
                 }
                 kept = scene.sift(len(lines), {**reasons, **keep})
                 choices.append((np.flatnonzero(kept), way, side, ratio))
@@ -151,19 +161,26 @@ class CableSprings(LineKind):
     def _seats(self, scene: Scene, pair: tuple[Spots, Spots], lines: Lines) -> list[tuple[Way, Array]]:
         """Ways of the coils of all couples, each with the side (C,) of the pulley on which the cable runs, 0 for none.
 
-        A pulley does not lead a cable out of its plane: a link that leaves it carries no spring behind one.
+        A pulley does not lead a cable out of its plane: a link that leaves it carries no spring behind one. A swivel
+        does.
         """
         group = scene.ground.group_of(pair[0].body)
         housing = (self.rooms or {}).get(group.body)
         given = self.room if housing is None else housing
+        straight = outwards(group, lines.a, given)
         if not self.radius:
-            return [(outwards(group, lines.a, given), np.ones(len(lines)))]
+            return [(straight, np.ones(len(lines)))]
         flat = scene.ground.normal(*lines.bodies)
         ways = [] if flat is None else in_plane(group, lines.a, given, housing is not None, flat[0])
+        fan = Fan.of(scene, pair)
+        if self.guide == "swivel":
+            # The cable leaves in the plane of guide and hook where the coil stands square to it.
+            square = flat is None or (np.abs(straight[1] @ flat[0]) > STRAIGHT).any()
+            ways = [*([straight] if square else []), *ways]
+            return [(way, fan.follows(way, self.radius)) for way in ways]
         if flat is None or not ways:
-            return [(outwards(group, lines.a, given), np.zeros(len(lines)))]
-        fan = Fan.of(scene, pair, flat[0])
-        return [(way, fan.sides(way, self.radius)) for way in ways]
+            return [(straight, np.zeros(len(lines)))]
+        return [(way, fan.sides(way, self.radius, flat[0])) for way in ways]
 
     def _carried(self, scene: Scene, lines: Seated) -> Batch:
         """The batch of couples whose first body carries the spring."""
@@ -220,14 +237,15 @@ class CableSprings(LineKind):
         run, way, ratio = float(one.room[0]), one.way[0], float(one.ratio[0])
         free = self.inside(run) / (1 + self.elongation)
         carrier, other = one.bodies
-        guide, hook = Point.of(carrier, one.a[0].tolist()), Point.of(other, one.b[0].tolist())
+        # A swivel off the plane by its radius lets the cable leave in the plane, square to the coil.
+        off = self.radius if self.guide == "swivel" and flat is not None and abs(way @ flat[0]) > STRAIGHT else 0.0
+        guide, hook = Point.of(carrier, (one.a[0] + off * way).tolist()), Point.of(other, one.b[0].tolist())
         anchor = Point.of(carrier, (one.a[0] + run * way).tolist())
-        options: dict[str, Any] = {} if flat is None else {"axis": tuple(flat[0].tolist())}
         limits: tuple[Limit, ...] = (Force(name, max=self.force),)
+        pulley = self._pulley(guide, float(one.side[0]), flat)
         if self.radius:
-            options["nominal"] = (LEAST_WRAP + MOST_WRAP) / 2
-            limits += (Wrap(name, LEAST_WRAP, MOST_WRAP, GAP * self.radius),)
-        pulley = Pulley(carrier, guide.at, self.radius, "left" if one.side[0] > 0 else "right", **options)
+            least = None if self.guide == "swivel" else LEAST_WRAP
+            limits += (Wrap(name, least, MOST_WRAP, GAP * self.radius),)
         # l - L0 = ratio (d - start) for the free length that the room leaves.
         path = Cable((anchor, pulley, hook), ratio, free - ratio * (run + start))
         moving: dict[str, tuple[float, float]] = {}
@@ -248,6 +266,15 @@ class CableSprings(LineKind):
             return replace(spring, path=cut, law=Coil(free_length=free)), (*limits, limit)
 
         return Proposal(Spring(name, path, law), (*limits, stretched, Elongation(name, min=0.0)), moving, measured)
+
+    def _pulley(self, guide: Point, side: float, flat: tuple[Array, Array, float] | None) -> Pulley | Swivel:
+        """What leads the cable at a guide."""
+        if self.radius and self.guide == "swivel":
+            return Swivel(guide.body, guide.at, self.radius)
+        options: dict[str, Any] = {} if flat is None else {"axis": tuple(flat[0].tolist())}
+        if self.radius:
+            options["nominal"] = (LEAST_WRAP + MOST_WRAP) / 2
+        return Pulley(guide.body, guide.at, self.radius, "left" if side > 0 else "right", **options)
 
     def open(self, numbers: Mapping[str, Array]) -> Law:
         """The pull of the cable over the distance from guide to hook."""

@@ -1,8 +1,9 @@
-"""Where coils lie behind their guides, and on which side of a pulley their cables run."""
+"""Where coils lie behind their guides, and how their cables lie on a pulley."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -100,44 +101,54 @@ def _at(group: Group, places: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Fan:
-    """Where hooks stand as seen from pulleys: angle (N, C), rad, from e towards f, and distance (N, C), m.
+    """Hooks as seen from guides: gap (N, C, 3), m, in the frame of the first body of a pair."""
 
-    e and f (3,) span the plane of a pair in the frame of its first body, e x f being the normal.
-    """
-
-    angle: Array
-    distance: Array
-    e: Array
-    f: Array
+    gap: Array
 
     @staticmethod
-    def of(scene: Scene, pair: tuple[Spots, Spots], normal: Array) -> Fan:
+    def of(scene: Scene, pair: tuple[Spots, Spots]) -> Fan:
         """Every hook of the second body from every place on the first."""
-        e = np.eye(3)[np.abs(normal).argmin()]
-        e = np.cross(normal, np.cross(e, normal))
-        e = e / np.linalg.norm(e)
-        plane = np.stack([e, np.cross(normal, e)])
         turned = scene.states.rotation(pair[0].body)[0]
         origin = scene.states.point(Point(pair[0].body))[0]
         hooks = np.moveaxis(scene.states.point(Point.many(pair[1].body, pair[1].places))[0], 0, 1) - origin[:, None]
-        hooks = np.einsum("pi,nji,ncj->ncp", plane, turned, hooks)
-        gap = hooks[:, None] - (pair[0].places @ plane.T)[:, None]
-        gap = gap.reshape(len(gap), -1, 2)
-        return Fan(np.arctan2(gap[..., 1], gap[..., 0]), np.hypot(gap[..., 0], gap[..., 1]), *plane)
+        gap = (hooks @ turned)[:, None] - pair[0].places[:, None]
+        return Fan(gap.reshape(len(gap), -1, 3))
 
-    def sides(self, way: Way, radius: float) -> Array:
+    @cached_property
+    def distance(self) -> Array:
+        """From guide to hook (N, C), m."""
+        return np.linalg.norm(self.gap, axis=-1)
+
+    def sides(self, way: Way, radius: float, normal: Array) -> Array:
         """Side (C,) on which a cable from the far end wraps a pulley within bounds at all poses, 0 where on none.
 
         w = +-(hook - incoming) + asin(r / distance) + asin(r / room)
         """
         room, onwards = way
-        incoming = np.arctan2(-onwards @ self.f, -onwards @ self.e)
-        turn = (self.angle - incoming + np.pi) % (2 * np.pi) - np.pi
-        lean = np.arcsin(np.minimum(radius / np.maximum(self.distance, 1e-300), 1.0))
-        lean = lean + np.arcsin(np.minimum(radius / np.maximum(room, 1e-300), 1.0))
-        clear = (self.distance > radius + GAP * radius).all(axis=0) & (room > radius + GAP * radius)
+        ahead = np.einsum("nci,ci->nc", self.gap, -onwards)
+        aside = np.einsum("nci,ci->nc", self.gap, np.cross(normal, -onwards))
+        turn, lean = np.arctan2(aside, ahead), _lean(radius, self.distance) + _lean(radius, room)
+        clear = (self.distance > (1 + GAP) * radius).all(axis=0) & (room > (1 + GAP) * radius)
         side = np.zeros(len(room))
         for sign in (1.0, -1.0):
             wrap = sign * turn + lean
             side[(wrap > LEAST_WRAP).all(axis=0) & (wrap < MOST_WRAP).all(axis=0) & clear] = sign
         return side
+
+    def follows(self, way: Way, radius: float) -> Array:
+        """1 (C,) where a swivelling pulley is wrapped within bounds at all poses, else 0.
+
+        w = atan2(p - r, s) + atan2(r, sqrt(s^2 + p^2 - 2 p r)),   s ahead, p aside
+        """
+        room, onwards = way
+        ahead = np.einsum("nci,ci->nc", self.gap, -onwards)
+        aside = np.sqrt(np.maximum(self.distance**2 - ahead**2, 0.0))
+        run = self.distance**2 - 2 * aside * radius
+        wrap = np.arctan2(aside - radius, ahead) + np.arctan2(radius, np.sqrt(np.maximum(run, 0.0)))
+        clear = (np.hypot(aside - radius, ahead) > (1 + GAP) * radius).all(axis=0) & (room > 0)
+        return np.where((wrap < MOST_WRAP).all(axis=0) & clear, 1.0, 0.0)
+
+
+def _lean(radius: float, distance: Array) -> Array:
+    """How far, rad, a tangent leans from the line to a pulley's centre."""
+    return np.arcsin(np.minimum(radius / np.maximum(distance, 1e-300), 1.0))
