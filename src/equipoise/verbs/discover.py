@@ -91,7 +91,7 @@ def discover(
             raise
         found.stopped = True
     if not found.designs:
-        reasons = (one.reason for one in found.contest.lost)
+        reasons = [one.reason for one in found.contest.lost if not any(one.reason in note for note in found.notes)]
         told = "".join(f"; {note}" for note in dict.fromkeys((*found.notes, *reasons)))
         raise InfeasibleError(
             f"no subset of the candidates gains anything within the limits{told}",
