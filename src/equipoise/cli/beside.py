@@ -10,7 +10,6 @@ import typer
 from equipoise.cli.answers import answer
 from equipoise.cli.core import File, Json, Out, Starts
 from equipoise.console import emit, say, staging
-from equipoise.objective import leading
 
 if TYPE_CHECKING:
     from equipoise.design import Design
@@ -73,6 +72,7 @@ def side_by_side(
 def compare(file: File, json: Json = False, out: Out = None, starts: Starts = None) -> int:
     """A working member of every family of balancers for one joint, side by side and ranked, as problem files too."""
     from equipoise.families.judge import Chance
+    from equipoise.objective import leading
     from equipoise.picking import write_problem
     from equipoise.reporting.comparison import file_name, markdown
     from equipoise.reporting.comparison_page import page
@@ -112,6 +112,7 @@ def _problem(design: Design, problem: Problem) -> Problem:
     """A member of a family as a problem of its own, judged as it was: by the joint that was compared."""
     from equipoise.discovery.ask import design_problem
     from equipoise.discovery.plain import plain
+    from equipoise.objective import leading
     from equipoise.problem import problem_of
     from equipoise.yamlfile import Document
 
