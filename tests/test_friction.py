@@ -109,7 +109,7 @@ def test_ropes_and_meshes_lose_their_share(states):
     lost = 0.04 * 50 * taut.wrap[:, 1] / np.pi * np.abs(taut.rate[:, 0])
     assert lost.max() > 0
     np.testing.assert_allclose(torque(cable, states, SHARE), lost)
-    # Three falls: the lead pulls a third of 50 N, and at the tackle's sheaves the rope moves by 2/3 and 1/3 of the lead.
+    # Three falls: the lead pulls a third of 50 N, and at the tackle's sheaves the rope moves by 2/3 and 1/3 of it.
     tackle = replace(cable, ratio=1 / 3, offset=-0.1)
     inside = 0.04 * 50 / 3 * (2 / 3 + 1 / 3) * np.abs(taut.rate[:, 0])
     np.testing.assert_allclose(torque(tackle, states, SHARE), lost / 3 + inside)

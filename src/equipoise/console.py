@@ -11,8 +11,9 @@ import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import isnan
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from equipoise.errors import EquipoiseError, InputError
 
@@ -136,9 +137,16 @@ class Interrupts:
         raise KeyboardInterrupt
 
 
+class Show(Protocol):
+    """Shows how far a search is."""
+
+    def __call__(self, done: int, starts: int, best: float, stage: str = "") -> None:
+        """Show what is done, of how many, the best value so far, and what is going on."""
+
+
 @contextmanager
-def progress_bar(verb: str, what: str, unit: str) -> Iterator[Callable[[int, int, float], None] | None]:
-    """A bar of what is done and the best value on stderr; None where stderr is no terminal."""
+def progress_bar(verb: str, what: str, unit: str) -> Iterator[Show | None]:
+    """A bar of what is done, the best value and the stage on stderr; None where stderr is no terminal."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -151,11 +159,13 @@ def progress_bar(verb: str, what: str, unit: str) -> Iterator[Callable[[int, int
         MofNCompleteColumn(),
         TextColumn(what + ", best {task.fields[best]}"),
         TimeElapsedColumn(),
+        TextColumn("{task.fields[stage]}"),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(verb, total=None, best="...")
+        task = bar.add_task(verb, total=None, best="...", stage="")
 
-        def show(done: int, starts: int, best: float) -> None:
-            bar.update(task, completed=done, total=starts, best=f"{best:.5g} {unit}".rstrip())
+        def show(done: int, starts: int, best: float, stage: str = "") -> None:
+            value = "..." if isnan(best) else f"{best:.5g} {unit}".rstrip()
+            bar.update(task, completed=done, total=starts, best=value, stage=stage)
 
         yield show

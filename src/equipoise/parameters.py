@@ -17,6 +17,8 @@ from equipoise.units import along_path, unit_marks
 
 AXES = {"x": 0, "y": 1, "z": 2}
 Item = TypeVar("Item", bound=Any)
+Changes = dict[tuple[str, ...], tuple[Any, str]]
+"""What changes within an item: {words that lead there: (value, the parameter's whole name)}."""
 
 
 @functools.cache
@@ -41,12 +43,12 @@ def read(balancers: Sequence[Item], name: str) -> float | None:
 
 def write(balancers: Sequence[Item], values: Mapping[str, Any]) -> tuple[Item, ...]:
     """The same balancers with parameters replaced; values may be arrays that lead the states' axis."""
-    changed = {balancer.name: balancer for balancer in balancers}
+    changes: dict[str, Changes] = {}
     for name, value in values.items():
-        sharing, keys = _start(tuple(changed.values()), name)
+        sharing, keys = _start(balancers, name)
         for balancer in sharing:
-            changed[balancer.name] = _replace(balancer, keys, value, name)
-    return tuple(changed.values())
+            changes.setdefault(balancer.name, {})[tuple(keys)] = value, name
+    return tuple(_replaced(one, changes[one.name]) if one.name in changes else one for one in balancers)
 
 
 def candidates(balancers: Sequence[Item], names: Sequence[str], gamma: Any) -> tuple[Item, ...]:
@@ -151,21 +153,29 @@ def _choices(item: Any) -> list[str]:
     return list(AXES) if isinstance(item, tuple) else []
 
 
-def _replace(item: Any, keys: Sequence[str], value: Any, name: str) -> Any:
-    if not keys:
-        return value
-    key, rest = keys[0], keys[1:]
-    child = _child(item, key, name)
-    if is_dataclass(item) and key == tag(type(item)):
-        return _replace(item, rest, value, name)
-    changed = _replace(child, rest, value, name)
-    if isinstance(item, Point) and key in AXES:
-        at = list(item.at)
-        at[AXES[key]] = changed
-        return replace(item, at=tuple(at))
+def _replaced(item: Any, changes: Changes) -> Any:
+    """The item with everything that changes within it replaced at once."""
+    inside: dict[str, Changes] = {}
+    for (key, *rest), change in changes.items():
+        if rest and is_dataclass(item) and key == tag(type(item)):
+            key, *rest = rest  # noqa: PLW2901
+        inside.setdefault(key, {})[tuple(rest)] = change
+    new = {key: _changed(item, key, within) for key, within in inside.items()}
     if isinstance(item, tuple):
-        entries = list(item)
-        entries[AXES.get(key, int(key) if key.isdigit() else 0)] = changed
-        return tuple(entries)
-    field = [f.name for f in fields(item)][int(key)] if key.isdigit() else key
-    return replace(cast(Any, item), **{field: changed})
+        return tuple(_entries(item, new))
+    if isinstance(item, Point) and new.keys() <= AXES.keys():
+        return replace(item, at=tuple(_entries(item.at, new)))
+    names = [field.name for field in fields(item)]
+    return replace(cast(Any, item), **{names[int(key)] if key.isdigit() else key: new[key] for key in new})
+
+
+def _changed(item: Any, key: str, within: Changes) -> Any:
+    """What stands under a key, with the changes within it."""
+    child = _child(item, key, next(iter(within.values()))[1])
+    return within[()][0] if () in within else _replaced(child, within)
+
+
+def _entries(entries: tuple[Any, ...], new: Mapping[str, Any]) -> list[Any]:
+    """The entries with some of them, by number or axis, replaced."""
+    placed = {AXES.get(key, int(key) if key.isdigit() else 0): value for key, value in new.items()}
+    return [placed.get(index, entry) for index, entry in enumerate(entries)]

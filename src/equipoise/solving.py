@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from math import isnan
+from math import isnan, nan
 from typing import TYPE_CHECKING, Any
 
 from equipoise.console import Interrupts, progress_bar, say
@@ -21,6 +21,7 @@ from equipoise.verbs import shape as verbs_shape
 
 if TYPE_CHECKING:
     from equipoise.discovery.front import Discovery
+    from equipoise.discovery.stage import Stage
     from equipoise.verbs.adjusted import Adjusted
 
 
@@ -136,26 +137,38 @@ def discovery(
 
 def discovered(problem: Problem) -> tuple[Discovery, bool]:
     """The front of a problem, with progress on stderr; whether Ctrl-C cut the search short."""
+    from equipoise.discovery.request import Discover
     from equipoise.verbs.discover import discover
 
+    request = problem.content.discover or Discover()
     unit = leading(problem.objective).unit(problem.mechanism)
     with problem.at_names(), Interrupts() as interrupts, progress_bar("discover", "numbers of parts", unit) as progress:
+        reached: tuple[int, int, float] = 0, request.springs, nan
 
-        def tell(done: int, most: int, value: float) -> None:
+        def show(done: int, most: int, value: float) -> None:
+            nonlocal reached
+            reached = done, most, value
             if progress is None:
-                reached = "nothing gained yet" if isnan(value) else quantity(value, unit, 3)
-                say(f"discover    {done} of {most} numbers of parts done, {reached}")
+                best = "nothing gained yet" if isnan(value) else quantity(value, unit, 3)
+                say(f"discover    {done} of {most} numbers of parts done, {best}")
             else:
-                progress(done, most, value)
+                progress(*reached)
+
+        def tell(stage: Stage) -> None:
+            if progress is None:
+                say(f"discover    {stage}")
+            else:
+                progress(*reached, str(stage))
 
         front = discover(
             problem.mechanism,
             problem.sweep,
-            problem.content.discover,
+            request,
             objective=problem.objective,
             limits=problem.limits,
             scatter=problem.content.tolerances,
-            progress=tell,
+            progress=show,
+            tell=tell,
         )
     if interrupts.hit:
         say("the search was stopped by hand: what was finished follows")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import mujoco
@@ -45,12 +46,12 @@ class Spring:
         """The name that the unknowns carry."""
         return self.like or self.name
 
-    @property
+    @cached_property
     def unknowns(self) -> tuple[Unknown, ...]:
         """What the program must find for this spring."""
         return self.law.unknowns(self.owner, self.path.unit)
 
-    @property
+    @cached_property
     def own_mass(self) -> Any:
         """The spring's own mass, kg, with that of a real part."""
         if not isinstance(self.mass, WireMass):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from equipoise.discovery.alternative import Alternative
 from equipoise.discovery.making import wound
 from equipoise.discovery.refine import Parts, Refined, Refiner
+from equipoise.discovery.stage import Stage, Tell, untold
 from equipoise.errors import EquipoiseError
 from equipoise.objective import leading
 from equipoise.parts.makeable import Makeable
@@ -28,7 +29,9 @@ NOTHING = 1e-6
 BRIEFLY = 10_000
 """Specimens by which contenders are judged."""
 WOUND = 2
-"""Refined choices per number of springs that are wound, where that is asked for."""
+"""Refined choices per number of springs that are wound, where that is asked for, if they are within reach."""
+REACH = 0.2
+"""Share by which a choice may be worse than the best and still be taken further."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
 ELASTIC = 30.0
@@ -52,6 +55,7 @@ class Contest:
     scatter: Scatter
     sweep: Sweep
     lost: list[Alternative] = field(default_factory=list)
+    tell: Tell = untold
 
     @property
     def banded(self) -> bool:
@@ -71,9 +75,13 @@ class Contest:
         ranked = self._ranked([one for one in map(self._judged, tried) if one is not None])
         if make is None:
             return self._best(ranked)
-        for one in ranked[WOUND:]:
+        near = [one for one in ranked[:WOUND] if one.refined.value <= (1 + REACH) * self._level(ranked)]
+        for one in ranked[len(near) :]:
             self.lose(one, f"{self._against(one, ranked[0])}, and so was not wound")
-        made = [one for one in (self._wound(contender, make) for contender in ranked[:WOUND]) if one is not None]
+        made = []
+        for number, one in enumerate(near, 1):
+            self.tell(Stage(len(one.refined.parts.balancers), "winding", number, len(near)))
+            made += [wound for wound in [self._wound(one, make)] if wound is not None]
         return self._best(sorted(made, key=lambda one: one.refined.value))
 
     def _whole(self, parts: Parts) -> tuple[float, float]:
@@ -144,7 +152,7 @@ class Contest:
             quantity(value if value > NOTHING * self.refiner.bare else 0.0, unit, 3)
             for value in (one.refined.value, best.refined.value)
         )
-        return f"refined alike it came to {mine}, the winner to {won}"
+        return f"refined as far as it promised it came to {mine}, the winner to {won}"
 
 
 def _elastic(task: Task) -> Balanced:

@@ -8,14 +8,15 @@ from dataclasses import dataclass, field, replace
 from equipoise.design import Design
 from equipoise.discovery.collect import Collection
 from equipoise.discovery.contest import Contender, Contest
+from equipoise.discovery.entrants import Entrant, refined
 from equipoise.discovery.front import BETTER
-from equipoise.discovery.making import unweighed, weighed
+from equipoise.discovery.making import unweighed
 from equipoise.discovery.reach import with_extremes
-from equipoise.discovery.refine import Parts, Refiner, addition, built, judge
+from equipoise.discovery.refine import Parts, addition, built, judge
+from equipoise.discovery.stage import Stage
 from equipoise.discovery.subsets import Ranked, Subset
-from equipoise.errors import EquipoiseError, InfeasibleError
+from equipoise.errors import EquipoiseError
 from equipoise.objective import Aim, leading
-from equipoise.parts.makeable import Makeable
 from equipoise.reporting.numbers import quantity
 from equipoise.scattering import tolerance
 from equipoise.solve.program import Norm
@@ -49,39 +50,32 @@ class Found:
 
 def grow(found: Found, collection: Collection, ranked: Ranked, count: int, sweep: Sweep, aim: Aim) -> None:
     """Find the design with so many parts, shaped over the whole sweep, or tell why there is none."""
-    tried = list(_contenders(found, collection, ranked, count, aim))
+    entrants = [*_entrants(collection, ranked, aim), *_extended(found, collection, count)]
+    tried = refined(found.contest.refiner, entrants, collection.request.make, found.contest.tell)
     found.best = found.contest.winner(tried, collection.request.make)
     if found.best is not None:
         _finish(found, sweep, aim, found.best)
 
 
-def _contenders(found: Found, collection: Collection, ranked: Ranked, count: int, aim: Aim) -> Iterator[Contender]:
-    """The best subsets of so many candidates, and the design of one part less with its best addition, refined."""
-    refiner, make = found.contest.refiner, collection.request.make
+def _entrants(collection: Collection, ranked: Ranked, aim: Aim) -> Iterator[Entrant]:
+    """The best subsets of so many candidates."""
     for subset, shares in _promising(collection, ranked, aim.norm):
-        parts = Parts.of(
-            [collection.propose(i, k, share) for k, (i, share) in enumerate(zip(subset, shares, strict=True), 1)]
-        )
-        yield from _refined(refiner, parts, collection.dictionary.places(subset), make)
+        chosen = enumerate(zip(subset, shares, strict=True), 1)
+        parts = Parts.of([collection.propose(i, k, share) for k, (i, share) in chosen])
+        yield Entrant(collection.dictionary.places(subset), parts)
+
+
+def _extended(found: Found, collection: Collection, count: int) -> Iterator[Entrant]:
+    """The best with one part less, with the candidate that best joins it; nothing where nothing does."""
     before = None if found.best is None else found.best.unwound or found.best.refined
-    if before is not None and len(before.parts.balancers) == count - 1:
-        there = unweighed(before)
-        joined = addition(collection, refiner.refine(replace(there, free={})))
-        if joined is not None:
-            index, share = joined
-            parts = there.with_one(collection.propose(index, count, share))
-            yield from _refined(
-                refiner, parts, (f"the best with {count - 1}", *collection.dictionary.places((index,))), make
-            )
-
-
-def _refined(refiner: Refiner, parts: Parts, places: tuple[str, ...], make: Makeable | None) -> Iterator[Contender]:
-    """The parts refined, with their springs' own masses where these are to be wound; nothing where that fails."""
-    try:
-        found = refiner.refine(parts)
-        yield Contender(places, found if make is None else weighed(refiner, found, make))
-    except InfeasibleError:
+    if before is None or len(before.parts.balancers) != count - 1:
         return
+    there = unweighed(before)
+    joined = addition(collection, found.contest.refiner.refine(replace(there, free={})))
+    if joined is not None:
+        index, share = joined
+        places = (f"the best with {count - 1}", *collection.dictionary.places((index,)))
+        yield Entrant(places, there.with_one(collection.propose(index, count, share)))
 
 
 def _promising(collection: Collection, ranked: Ranked, norm: Norm) -> list[tuple[Subset, tuple[float, ...]]]:
@@ -103,6 +97,7 @@ def _finish(found: Found, sweep: Sweep, aim: Aim, best: Contender) -> None:
     if aim.judged == "nominal" and best.refined.value > least * (1 - BETTER):
         found.lose(best, "one part more gains next to nothing")
         return
+    found.contest.tell(Stage(count, "shaping over all poses"))
     try:
         design = built(parts, refiner.shaped(parts, sweep))
         # What no model file can hold cannot be verified.

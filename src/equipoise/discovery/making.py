@@ -33,9 +33,9 @@ Turn = Callable[[Spring, float, float, Array], Turned]
 """spring, rate k, N/m, product k L0, N, and lengths (N,), m -> what it becomes."""
 
 
-def weighed(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:
+def weighed(refiner: Refiner, refined: Refined, make: Makeable, patience: float) -> Refined:
     """Refined parts shaped again with their springs' own masses, which follow rate, wire and index."""
-    return refiner.refine(_each(refiner, refined, partial(_weighed, make)))
+    return refiner.refine(_each(refiner, refined, partial(_weighed, make)), patience)
 
 
 def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:

@@ -22,7 +22,8 @@ from equipoise.parameters import candidates, read, unit_of, write
 from equipoise.scattering import Scatter, tolerance
 from equipoise.solve.exchange import Solution, solve
 from equipoise.solve.program import Norm, Program, Term
-from equipoise.solve.shape import Freedom, Local, descend
+from equipoise.solve.ratios import descend_by_ratios
+from equipoise.solve.shape import Freedom
 from equipoise.sweep import Sweep
 from equipoise.tasks import Task, task_of
 from equipoise.verbs.balance import balance
@@ -140,8 +141,11 @@ class Refiner:
         """The question that parts pose."""
         return task_of(self.mechanism, parts.balancers, self.few, None, self.objective, (*self.limits, *parts.limits))
 
-    def refine(self, parts: Parts) -> Refined:
-        """Sequential convex programming from the present geometry; without geometry to move, one convex solve."""
+    def refine(self, parts: Parts, patience: float = 0.0) -> Refined:
+        """Sequential convex programming from the present geometry; without geometry to move, one convex solve.
+
+        patience is the share of the value that the last few steps together must have gained for the next.
+        """
         task = self.task(parts)
         load = load_of(task, self.states)
         if not parts.free:
@@ -154,7 +158,10 @@ class Refiner:
         def build(gamma: Geometry) -> Program:
             return task.program(self.states, candidates(task.balancers, names, gamma))
 
-        local: Local = descend(build, freedoms, start, load, iterations=ITERATIONS, precision=PRECISION)
+        # Numbers of a law limit each other by products of powers.
+        which = np.array([".law." in freedom.name and freedom.lower > 0 for freedom in freedoms])
+        options = {"iterations": ITERATIONS, "precision": PRECISION, "patience": patience}
+        local = descend_by_ratios(build, freedoms, start, load, which, **options)
         geometry = {name: float(value) for name, value in zip(names, local.gamma, strict=True)}
         return self._refined(parts.at(geometry), geometry, local.solution, local.excess)
 

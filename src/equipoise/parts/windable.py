@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -67,14 +68,14 @@ class WindableSpring(Law):
         wire, index, number = np.broadcast_arrays(self.wire, self.index, self.number)
         return wire, index, number
 
-    @property
+    @cached_property
     def sample(self) -> ExtensionSpring:
         """A spring of this wire and index, whatever its coils: its strength does not depend on them."""
         return ExtensionSpring(
             self.wire, self.index * self.wire, LEAST_COILS, self.grade, number=self.number, loop=self.loop
         )
 
-    @property
+    @cached_property
     def stack(self) -> Any:
         """S = n d k, N: the force that stretches all in parallel by the length of their coils."""
         shear = self.sample.material.shear
@@ -85,12 +86,12 @@ class WindableSpring(Law):
         """H, m: what of the closed length is no active coil."""
         return self.wire * (1 + 2 * self.loop * (self.index - 1))
 
-    @property
+    @cached_property
     def largest_force(self) -> Any:
         """F_max, N, of all in parallel."""
         return self.sample.largest_force
 
-    @property
+    @cached_property
     def largest_tension(self) -> Any:
         """F0_max, N, of all in parallel."""
         return self.number * self.sample.largest_tension

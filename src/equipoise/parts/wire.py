@@ -93,6 +93,7 @@ def grades() -> dict[str, Grade]:
     return found
 
 
+@functools.cache
 def grade(name: str) -> Grade:
     """A grade by its name, `EN 10270-1 SH`, or by its last word where that is unique; InputError otherwise."""
     known = grades()

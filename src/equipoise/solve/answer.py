@@ -11,10 +11,18 @@ from equipoise.affine import Array, Indices
 
 @dataclass(eq=False)
 class Working:
-    """Which samples are spelled out: per term the flat (state, block) numbers, per limit the row numbers."""
+    """Which samples are spelled out: per term the flat (state, block) numbers, per limit the row numbers.
+
+    basis is what the simplex found of a similar program: (columns that are basic, rows that are), by number.
+    """
 
     terms: list[Indices]
     rows: list[Indices]
+    basis: tuple[Indices, Indices] | None = None
+
+    def copied(self) -> Working:
+        """The same, to be grown by itself."""
+        return Working([one.copy() for one in self.terms], [one.copy() for one in self.rows], self.basis)
 
 
 @dataclass(eq=False)

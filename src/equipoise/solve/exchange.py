@@ -79,7 +79,7 @@ def solve(program: Program, *, elastic: float | None = None, warm: Working | Non
     working set of a similar program. Raises InfeasibleError naming the limits that conflict.
     """
     if warm is not None and all(term.norm == "peak" for term in program.terms) and program.unknowns:
-        working = Working([w.copy() for w in warm.terms], [w.copy() for w in warm.rows])
+        working = warm.copied()
         answer = _exchange(program, working, elastic)
         return Solution(answer.theta, program, working, answer)
     start = least_squares(program)
@@ -198,7 +198,7 @@ def _refresh(program: Program, warm: Working, theta: Array) -> Working:
         np.union1d(old[old < len(spec.h)], new).astype(int)
         for spec, old, new in zip(program.rows, warm.rows, fresh.rows, strict=True)
     ]
-    return Working(terms, rows)
+    return Working(terms, rows, warm.basis)
 
 
 def _worst(term: Term, r: Array, count: int = BATCH) -> Indices:

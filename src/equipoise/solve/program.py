@@ -194,6 +194,12 @@ class Program:
             found.append((constant if constant > NEGLIGIBLE * moved else moved) or 1.0)
         return tuple(found)
 
+    def bounded(self, unknowns: tuple[Unknown, ...]) -> Program:
+        """The same program with other bounds of its unknowns, on which neither scale nor loads depend."""
+        other = replace(self, unknowns=unknowns)
+        vars(other).update(scale=self.scale, loads=self.loads)
+        return other
+
     @property
     def lower(self) -> Array:
         """Lower bounds (P,)."""

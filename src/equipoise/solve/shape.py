@@ -17,6 +17,8 @@ STEP = 1e-30
 PENALTY = 30.0
 MARGIN = 1e-8
 BENT = 0.7
+LATELY = 3
+"""Steps that together must be worth it, where a descent is not to be patient."""
 AT_ONCE = 10_000
 """Rows of states times candidates that one program holds, so that its arrays stay in the cache."""
 
@@ -201,10 +203,7 @@ def _within(program: Program, freedoms: Sequence[Freedom], gamma: Array, radius:
         replace(u, lower=float(lo), upper=float(hi))
         for u, lo, hi in zip(program.unknowns[fixed:], lower, upper, strict=True)
     )
-    unknowns = program.unknowns[:fixed] + moves
-    rows = tuple(replace(row, unknowns=unknowns) for row in program.rows)
-    definite = tuple(replace(one, unknowns=unknowns) for one in program.definite)
-    return Program(unknowns, program.terms, rows, definite)
+    return program.bounded(program.unknowns[:fixed] + moves)
 
 
 def descend(
@@ -217,13 +216,15 @@ def descend(
     iterations: int = 60,
     precision: float = 1e-9,
     radius: float = 0.2,
+    patience: float = 0.0,
 ) -> Local:
     """Sequential convex programming from one geometry.
 
     Every step solves the linearised program in a trust region on the moves and is judged on the true
     residual with theta solved anew. Where curvature spoils a step, the model is shifted by what it missed and
     solved again, so that curved valleys are followed in long steps; limits are elastic at `penalty` times the
-    load per unit of relative excess.
+    load per unit of relative excess. It ends where a further step may gain less than `precision` times the load, or
+    where the last few together gained less than the share `patience` of the merit.
     """
     low, high = _bounds(freedoms)
     span = np.maximum(high - low, 1e-300)
@@ -236,6 +237,7 @@ def descend(
 
     here = inner(np.clip(gamma, low, high), None)
     predicted, warm, trial, count = np.inf, None, here.solution, 0
+    merits = [here.merit]
     for _ in range(iterations):
         model = _tight(linearise(build, freedoms, here.gamma, here.solution.theta))
         count, moved = len(here.solution.theta), False
@@ -260,7 +262,8 @@ def descend(
                 radius = min(1.0, max(radius, 2 * largest)) if ratio > 0.7 else radius if ratio > 0.3 else largest / 2
             else:
                 radius = min(radius, max(largest, 1e-12)) / 4
-        if not moved:
+        merits.append(here.merit)
+        if not moved or (len(merits) > LATELY and merits[-1 - LATELY] - here.merit < patience * here.merit):
             break
     gamma = here.gamma
     priced = trial.prices.upper - trial.prices.lower

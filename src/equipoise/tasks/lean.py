@@ -22,6 +22,8 @@ from equipoise.tasks.task import Balanced
 ALIKE = 1e-3
 """Share by which values may differ and the stored energy still decide."""
 
+PATIENCE = 0.01
+"""Share of the stored energy that a few steps of a detour must gain: what it ends at is no optimum anyway."""
 SLACK = 2e-7
 """Share of the objective that may be given for less stored energy."""
 
@@ -55,7 +57,7 @@ def relaxed(
     states = search.task.mechanism.states(search.task.sweep)
     few = thinned(search.task.sweep, states) if len(search.task.sweep.poses) > COARSE else search.task.sweep
     value = max(balanced.solution.objective, NOTHING * load)
-    thrifty = _thrifty(search.over(few), best, value + detour * load)
+    thrifty = _thrifty(search.over(few), best, value + detour * load, patience=PATIENCE)
     if thrifty is None:
         return search, best, balanced
     options: dict[str, Any] = {"precision": 0.1 * ALIKE * value / load, "iterations": BRIEF}
@@ -75,8 +77,11 @@ def _stored(search: Search, at: Local, balanced: Balanced) -> float:
     return float(energy.value(balanced.solution.theta))
 
 
-def _thrifty(search: Search, best: Local, value: float) -> Local | None:
-    """The geometry that keeps the objective below a value with the least stored energy, if that is worth a move."""
+def _thrifty(search: Search, best: Local, value: float, patience: float = 0.0) -> Local | None:
+    """The geometry that keeps the objective below a value with the least stored energy, if that is worth a move.
+
+    patience is the share of the energy that a few steps together must gain for the next.
+    """
     states = search.task.mechanism.states(search.task.sweep)
     names = [freedom.name for freedom in search.freedoms]
     plain = search.builder(states)
@@ -89,6 +94,7 @@ def _thrifty(search: Search, best: Local, value: float) -> Local | None:
     stored = start.terms[0].value(present.theta)
     if not stored > 0:
         return None
-    thrifty = descend(lean, search.freedoms, best.gamma, stored, radius=0.1, iterations=30, precision=1e-5)
+    options: dict[str, Any] = {"radius": 0.1, "iterations": 30, "precision": 1e-5, "patience": patience}
+    thrifty = descend(lean, search.freedoms, best.gamma, stored, **options)
     worth = thrifty.solution.objective <= 0.99 * stored or present.objective > value
     return replace(best, gamma=thrifty.gamma) if thrifty.excess <= 1e-6 and worth else None

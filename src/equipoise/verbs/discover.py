@@ -13,6 +13,7 @@ from equipoise.discovery.front import Discovery, bounds_of
 from equipoise.discovery.growing import Found, grow
 from equipoise.discovery.refine import Refiner
 from equipoise.discovery.request import Discover
+from equipoise.discovery.stage import Tell, untold
 from equipoise.discovery.subsets import Search
 from equipoise.errors import InfeasibleError, InputError
 from equipoise.interference import shell
@@ -43,6 +44,7 @@ def discover(
     limits: Sequence[Limit] = (),
     scatter: Scatter | None = None,
     progress: Progress | None = None,
+    tell: Tell = untold,
 ) -> Discovery:
     """Find which springs to add, where, and how big: the front of their number against what motors still hold.
 
@@ -51,8 +53,8 @@ def discover(
     candidate added, are refined by sequential convex programming; the best of each number is shaped over the whole
     sweep (default: 2048 Sobol poses; default norm: peak). Where the objective is judged by its band under the scatter,
     refined contenders, and numbers of parts, are ranked by that. progress is called with (numbers done, numbers,
-    value); Ctrl-C returns what is finished. Raises InputError for an objective that is not the holding effort,
-    InfeasibleError where filters leave no candidate, naming what removed how many.
+    value), tell with every `Stage` on the way; Ctrl-C returns what is finished. Raises InputError for an objective
+    that is not the holding effort, InfeasibleError where filters leave no candidate, naming what removed how many.
     """
     request = request or Discover()
     sweep = sweep or Sweep.sobol(mechanism)
@@ -72,7 +74,7 @@ def discover(
     bounds = bounds_of(collection, sweep, aim)
     few = thinned(sweep, mechanism.states(sweep), FEW) if len(sweep.poses) > FEW else sweep
     refiner = Refiner(mechanism, few, aims, limits)
-    found = Found(Contest(refiner, scatter or Scatter(), sweep))
+    found = Found(Contest(refiner, scatter or Scatter(), sweep, tell=tell))
     found.notes += _mixed(collection, aim)
     found.floor = max([bound.value for bound in bounds] + [NOTHING * refiner.bare])
     try:
@@ -89,7 +91,7 @@ def discover(
             raise
         found.stopped = True
     if not found.designs:
-        reasons = (one.reason for one in found.alternatives)
+        reasons = [one.reason for one in found.contest.lost if not any(one.reason in note for note in found.notes)]
         told = "".join(f"; {note}" for note in dict.fromkeys((*found.notes, *reasons)))
         raise InfeasibleError(
             f"no subset of the candidates gains anything within the limits{told}",

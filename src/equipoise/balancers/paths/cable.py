@@ -79,7 +79,7 @@ class Cable(Path):
     def rubs(self, states: States) -> tuple[Rub, ...]:
         """Every sheave by the share of half a turn that the cable wraps; an eye by the angle it turns the cable.
 
-        The i-th of a tackle's n falls moves by i / n of the cable, half a turn about a sheave each: 1/n + ... + (n-1)/n.
+        Of a tackle of n falls the i-th moves by i / n of the cable, over half a turn of a sheave: (n - 1) / 2 in all.
         """
         cable = self.taut(states)
         tackle = (1 - abs(float(self.ratio))) / 2

@@ -37,7 +37,7 @@ LEAST = 0.02
 """m: the shortest spring worth a thought; also the least share of its extension that keeps it taut."""
 TACKLES = (1.0, 1 / 2, 1 / 3, 1 / 4)
 """Ratios of tackles of one to four falls."""
-STRONG = 0.5
+STRONG = 0.8
 """Share of the rate behind the best tackle that one of fewer falls has to reach."""
 
 
@@ -53,7 +53,7 @@ class CableSprings(LineKind):
     skeleton), rooms {body: room} that of single links, such as a housing on the base; fittings, m, what hooks and
     thimbles take of it; elongation the largest of the spring, a share of L0;
     ratio that of a tackle, 1 / falls where the spring moves less than the cable, or several to choose from: the fewest
-    falls with at least half the rate, at zero free length, of the best of them; force in N the most of the spring.
+    falls with four fifths of the rate, at zero free length, of the best of them; force in N the most of the spring.
     radius, m, is that of a guide pulley, on planar pairs and where the cable keeps to one side of it, which a limit
     `Wrap` holds; the spring then lies towards either end of its link, a housing in any of four ways in the plane. 0 is
     an eye. guide `swivel` turns the pulley about the run from the spring, so that it follows the hook to any side, out
