@@ -12,7 +12,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.discovery.alternative import Alternative
 from equipoise.discovery.front import Bound, Discovery
-from equipoise.interference.findings import clash_words
+from equipoise.interference.findings import clash_words, room_words
 from equipoise.parts import Part
 from equipoise.reporting import limitwords, phrases
 from equipoise.reporting.alternatives import meaning, reached_words
@@ -164,6 +164,8 @@ def _design(front: Discovery, index: int) -> list[str]:
         lines += part_lines(part, balancer, design)
     for words in limits(front, index):
         lines += labelled("limited by", words)
+    for words in room_words(design):
+        lines += labelled("room", words)
     for words in clash_words(front.clashes[index]) if front.clashes else ():
         lines += labelled("clashes", words)
     lines += labelled("certificate", phrases.certificate_words(design))
@@ -190,7 +192,9 @@ def next_steps(front: Discovery, out: Path | None = None) -> list[str]:
     if best.missed:
         steps.append("allow more parts (`springs`), other `kinds`, or a wider `margin`: the target is missed")
     steps += _overdone(best)
-    collides = bool(front.clashes) and any(clash.depth for clash in front.clashes[front.recommended])
+    names = {balancer.name for balancer in best.balancers}
+    met = front.clashes[front.recommended] if front.clashes else ()
+    collides = any(clash.depth and clash.what not in names for clash in met)
     if collides and any(isinstance(spring.path, Line) for spring in springs):
         steps.append("`avoid: bodies` in the `discover` block keeps springs out of the links")
     if any(isinstance(spring.law, ZeroFreeLength) for spring in springs):

@@ -127,12 +127,20 @@ class CableSprings(LineKind):
                         ratio * (lines.longest - lines.shortest) > extension
                     ),
                     self.astray: side == 0,
+                    "another body in the way of its coil": scene.meets(
+                        pair[0].body, lines.a, lines.a + way[0][:, None] * way[1], self.slim
+                    ),
                 }
                 kept = scene.sift(len(lines), {**reasons, **keep})
                 choices.append((np.flatnonzero(kept), way, side, ratio))
             if any(len(kept) for kept, *_ in choices):
                 found.append(self._carried(scene, Seated.of(lines, choices)))
         return found
+
+    @property
+    def slim(self) -> float:
+        """Half the width, m, that a coil has at least where it lies; what its bundle needs the limit `avoid` knows."""
+        return 0.0 if self.make is None else self.make.width / 2
 
     def inside(self, room: Any) -> Any:
         """What a spring has, m, of rooms (C,) or one."""
