@@ -383,6 +383,20 @@ def test_ratios_of_a_cable_that_are_no_tackle():
         eq.CableSprings(ratio=())
 
 
+def test_coils_on_the_arm_are_told_of_a_housing():
+    mech = arm()
+    pairs = ((mech.bodies[0], "upper"),)
+    told = {}
+    for carrier in ("upper", mech.bodies[0]):
+        kind = eq.CableSprings(elongation=2.0, room=0.01, rooms={carrier: 0.5}, force=150.0)
+        front = eq.discover(
+            mech, eq.Sweep.sobol(mech, 48), eq.Discover(1, (kind,), pairs, candidates=300, contenders=1)
+        )
+        told[carrier] = str(front)
+    assert f"housing on {mech.bodies[0]} do not weigh" in told["upper"].replace("\n            ", " ")
+    assert "housing" not in told[mech.bodies[0]]
+
+
 def test_springs_that_gain_nothing_are_said_to():
     """Between upper arm and forearm no ideal spring lowers a peak that the shoulder alone holds."""
     mech = arm()

@@ -51,10 +51,10 @@ def bounds(
     affine in (cos q, sin q) of each hinge and quadratic in each slide: three values per joint determine
     them, and triangles around the arcs enclose them. Cells are split until the bound exceeds the largest value
     met by less than 0.2 % or 0.01 % of the joint's load, or `budget` cells of that joint are used; it is valid
-    either way, up to rounding. Mechanisms with closed loops or tendon springs of their own, and springs that are
-    bent or follow no single straight distance, and efforts that are no such waves (joints that copy others, a coil's
-    weight behind a cable), get an estimate, efforts that depend on more than eight joints no bound; both say so. A
-    sweep without a box has no bounds.
+    either way, up to rounding. A spring behind a cable through eyes follows one distance as well; the weight of its end
+    adds products of waves with s_m^(1/2). Mechanisms with closed loops or tendon springs of their own, springs that are
+    bent or follow more than one distance, and efforts that are no such waves (joints that copy others) get an estimate,
+    efforts that depend on more than eight joints no bound; both say so. A sweep without a box has no bounds.
     """
     if sweep.box is None:
         return {}
