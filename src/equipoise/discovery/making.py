@@ -51,7 +51,9 @@ def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:
         choices = choices[:1]
     sized = [refiner.refine(choice) for choice in choices]
     best = min(sized, key=lambda one: one.value + PRICE * refiner.bare * one.excess)
+    # Elsewhere than before springs are longest at other poses, and round ones have nothing to spare.
     refiner = refiner.with_extremes(best.parts)
+    best = refiner.refine(best.parts)
     return refiner.refine(_each(refiner, best, partial(_ordered, make)))
 
 
