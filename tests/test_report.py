@@ -107,7 +107,7 @@ def test_analysis_names_unloaded_joints_and_the_next_step():
     arm = eq.chain([eq.Link("pan", 0.2, 1.0, axis=(0, 0, 1)), eq.Link("rod", 0.5, 2.0)], name="pan and tilt")
     text = str(eq.analyze(arm, eq.Sweep.sobol(arm, 64)))
     assert "pan_joint: gravity does not load it" in text
-    assert "a spring from pan to rod acts on rod_joint" in text
+    assert "one from pan to rod acts on rod_joint" in " ".join(text.split())
     assert re.search(r"rod_joint \[N m\] +4\.905", text)
 
 
