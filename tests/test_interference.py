@@ -237,3 +237,17 @@ def test_springs_against_each_other_and_the_room_they_need():
     assert one.startswith("s1: 3 x 33 mm side by side, or a bundle 71.1 mm thick, by ")
     assert one.endswith("along world")
     assert other.startswith("s2: 33 mm across, by ")
+
+
+def test_a_discovery_that_avoids_bodies_keeps_coils_clear_and_knows_the_nearest_poses():
+    """A housing stands on that side of the arm where it is not in the way; at 4000 unseen poses nothing is met."""
+    mech = arm(60.0)
+    kind = eq.CableSprings(rooms={"world": 0.4}, ratio=0.5)
+    make = eq.Makeable(grade="SH", parallel=2, width=0.04)
+    request = eq.Discover(1, kinds=(kind,), candidates=900, contenders=2, poses=100, make=make, avoid="bodies")
+    (design,) = eq.discover(mech, eq.Sweep.sobol(mech, 64), request, objective=eq.Aim(norm="peak")).designs
+    (spring,) = design.balancers
+    setting = Setting({"s1": spring}, mech.states(eq.Sweep.sobol(mech, 4096)), lambda _: None)
+    rows = [row for limit in design.limits if isinstance(limit, eq.Avoid) for row in limit.rows(setting)]
+    assert any(row.limit.endswith("(its coil)") for row in rows)
+    assert min(row.h.min() for row in rows) > -2e-3

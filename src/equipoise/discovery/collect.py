@@ -267,12 +267,16 @@ def _lying(request: Discover, states: States) -> Callable[[str, Array, Array, fl
     few = states.take(slice(None, None, 1 + len(states) // LOOKED_AT))
 
     def meets(body: str, a: Array, b: Array, wide: float) -> NDArray[np.bool_]:
-        bad = np.zeros(len(a), dtype=bool)
-        for part in _parts(len(a)) if request.avoids("bodies") else ():
-            line = Line(Point.many(body, a[part]), Point.many(body, b[part]))
+        if not request.avoids("bodies"):
+            return np.zeros(len(a), dtype=bool)
+        # Many hooks share a guide, and so the coil behind it.
+        places, couple = np.unique(np.hstack([a, b]), axis=0, return_inverse=True)
+        bad = np.zeros(len(places), dtype=bool)
+        for part in _parts(len(places)):
+            line = Line(Point.many(body, places[part, :3]), Point.many(body, places[part, 3:]))
             for _, room in beside(few, line, request.radius):
                 bad[part] |= (room < wide).any(axis=-1)
-        return bad
+        return bad[couple.ravel()]
 
     return meets
 

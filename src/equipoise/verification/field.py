@@ -101,12 +101,23 @@ class Field:
         box = self.middle[kept, None] + reach[:, None] * np.array([-1.0, 1.0])
         return Coordinates(np.array(kept, dtype=int), lead, box)
 
+    @property
+    def everything(self) -> Coordinates:
+        """All joints as they are."""
+        count = len(self.box)
+        return Coordinates(np.arange(count), np.eye(count), self.box)
+
+    def positions(self, places: Array, at: Coordinates) -> Array:
+        """Positions (N, nd) of coordinates (N, n), the other joints in the middle of their range."""
+        q = np.tile(self.middle, (len(places), 1))
+        q[:, at.joints] = places
+        return q
+
     def enclosure(self, row: int, at: Coordinates) -> Enclosure | None:
         """The effort of one joint as waves of its coordinates; None where it proves to be no such thing."""
         model, ids = self.mechanism.model, self.mechanism.driven_ids
         axes = Axes(model.jnt_type[ids[at.joints]] == mujoco.mjtJoint.mjJNT_HINGE, at.box)
-        nodes = np.tile(self.middle, (3 ** len(at.joints), 1))
-        nodes[:, at.joints] = axes.nodes()
+        nodes = self.positions(axes.nodes(), at)
         stiffness = float(model.jnt_stiffness[ids[row]])
         rest = float(model.qpos_spring[model.jnt_qposadr[ids[row]]])
         springs = [spring for spring in self.springs if self._matters(spring, row)]
