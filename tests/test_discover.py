@@ -604,6 +604,32 @@ def test_ctrl_c_returns_what_is_finished():
     assert front.json()["stopped"]
 
 
+def test_ur10_cables():
+    """Two wound springs behind swivelling pulleys reach the wrist's own load, over few poses and candidates."""
+    problem = load_problem(EXAMPLES / "ur10_cables.yaml")
+    problem.check()
+    pairs = (("shoulder_link", "forearm_link"), ("shoulder_link", "upper_arm_link"))
+    request = replace(problem.content.discover, pairs=pairs, candidates=400, contenders=1)
+    front = eq.discover(problem.mechanism, problem.sweep.thinned(np.arange(48)), request, objective=problem.objective)
+    assert front.values[-1] < 0.3
+    design = front.designs[-1]
+    assert len(design.balancers) == 2
+    unseen = problem.mechanism.states(eq.Sweep.sobol(problem.mechanism, 2048, seed=11))
+    for spring in design.balancers:
+        assert isinstance(spring.law, eq.ExtensionSpring)
+        anchor, guide, hook = spring.path.through
+        assert (anchor.body, guide.body, hook.body) == ("shoulder_link", "shoulder_link", "forearm_link")
+        assert guide.radius == 0.015
+        length = spring.path.deform(unseen)[0]
+        assert spring.law.span[0] - 1e-3 <= length.min()
+        assert length.max() <= spring.law.span[1] + 1e-3
+        room = np.linalg.norm(np.subtract(anchor.at, guide.at)) - 0.04
+        assert length.max() <= room + 1e-3
+    found = eq.verify(design, poses=200).verification
+    assert found.agrees
+    assert max(bound.upper for bound in found.bounds.values()) < 2.0
+
+
 def test_ur10_makeable():
     """One place of wound springs, over few poses and candidates; the whole example takes a minute or two."""
     problem = load_problem(EXAMPLES / "ur10_makeable.yaml")
