@@ -75,6 +75,15 @@ def test_factors_are_those_of_pint(unit):
         ("Max. Load (lbs)", ("force", "lbf")),
         ("Ln", ("longest", None)),
         ("Gewicht [g]", ("mass", "g")),
+        ("Wire Dia. (in)", ("wire", "in")),
+        ("Outside Dia. (in)", ("outside", "in")),
+        ("Max Ext. Length (in)", ("longest", "in")),
+        ("Drahtstärke d", ("wire", None)),
+        ("Länge L0", ("free_length", None)),
+        ("Länge Ln [mm]", ("longest", "mm")),
+        ("Max. Kraft Fn", ("force", None)),
+        ("Windungszahl n", ("coils", None)),
+        ("Free length m", ("free_length", "m")),
         ("Price (EUR)", None),
     ],
 )
@@ -100,6 +109,8 @@ def test_units_in_cells_and_mapped_columns(tmp_path):
     assert found.rate == pytest.approx([1200, 2000])
     assert found.travel == pytest.approx([0.03, 0.02])
     assert "no mass" in found.remarks[0]
+    text = "part,Rate [N/mm],Free length [mm],Max length [mm],Price,Stock qty\nA,1.2,50,80,3.10,12\n"
+    assert "columns that are not read: 'Price', 'Stock qty'" in eq.read_catalogue(write(tmp_path, text)).remarks
 
 
 def test_columns_without_a_unit_follow_the_others_or_what_is_asked(tmp_path):
@@ -210,6 +221,13 @@ def test_a_file_that_is_none(tmp_path):
         eq.read_catalogue(write(tmp_path, INCH), columns={"rte": "Rate (lbs/in)"})
     with pytest.raises(InputError, match="no header 'Rte'"):
         eq.read_catalogue(write(tmp_path, INCH), columns={"rate": "Rte"})
+
+
+def test_units_that_cells_mix_are_told_by_row(tmp_path):
+    text = "part,Rate,L0,Ln\nA,0.5 N/mm,50 mm,80 mm\nB,3 lbs/in,60 mm,90 mm\n"
+    with pytest.raises(InputError, match="mixed units: '3 lbs/in' in a column in N/mm") as caught:
+        eq.read_catalogue(write(tmp_path, text))
+    assert "row 3, column 'Rate'" in caught.value.where
 
 
 def test_a_rate_that_its_wire_cannot_have_is_remarked(tmp_path):

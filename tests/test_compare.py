@@ -12,8 +12,10 @@ import pytest
 import equipoise as eq
 from equipoise.cli import main
 from equipoise.comparing import Comparing
+from equipoise.discovery.ask import design_problem
 from equipoise.families.judge import Chance
 from equipoise.problem import load_problem
+from equipoise.reporting.comparison_page import chart, page
 from equipoise.scattering import Scatter
 
 ROOT = Path(__file__).parents[1]
@@ -121,6 +123,34 @@ def test_the_docs_show_the_programs_own_table(found):
             np.testing.assert_allclose([float(n) for n in numbers[0]], [float(n) for n in numbers[1]], rtol=0.02)
 
 
+def test_every_member_is_a_problem_file(found):
+    """Read back and balanced, each leaves what the table says."""
+    problem = load_problem(ROOT / "examples" / "compare_arm.yaml")
+    for one in found.entries:
+        again = design_problem(one.design, problem)
+        again.check()
+        design = eq.balance(
+            again.mechanism, again.balancers, again.sweep, objective=again.objective, limits=again.limits
+        )
+        assert design.after["arm_joint"].rms == pytest.approx(one.facts.rms, rel=1e-6, abs=1e-9)
+
+
+def test_the_page_draws_what_is_left(found):
+    """A panel for each family that leaves something, with the design's own numbers; the others are named."""
+    html = page(found)
+    left = [one for one in found.entries if one.facts.peak > 1e-6]
+    assert html.count("<details>") == len(found.entries)
+    drawn = chart(found, left)
+    panels = [ax for ax in drawn.axes if ax.lines]
+    assert len(panels) == len(left)
+    for ax, one in zip(panels, left, strict=True):
+        assert np.abs(ax.lines[-1].get_ydata()).max() == pytest.approx(one.facts.peak, rel=1e-2)
+    exact = [one.family.name for one in found.entries if one not in left]
+    assert f"Nothing is left by: {', '.join(exact)}." in html
+    assert "no spring has zero free length" in html
+    assert "http" not in re.sub(r"https?://(doi|www.w3)\.org", "", html)
+
+
 def test_friction_of_two_pins_by_hand(found):
     """mu r f at each pin, times how fast it turns: the line against the base, and the arm against the line."""
     ideal = entry(found, "zero-free-length")
@@ -186,6 +216,16 @@ def test_arrangements_for_a_planar_arm_lead(tmp_path, capsys):
     assert data["rows"][0]["rms"] < 0.05 * data["before"]["rms"]
     assert data["rows"][0]["parts"] == 12
     assert (tmp_path / "out" / "comparison.md").read_text(encoding="utf-8").count("\n") == 5
+    html = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert "Other joints move too" in html
+    for row in data["rows"]:
+        assert row["family"] in html
+        assert row["reason"].split(" of ")[0] in html
+    again = load_problem(tmp_path / "out" / "03_torsion_spring.yaml")
+    again.check()
+    assert again.objective[0].joints == ("a_joint",)
+    left = eq.balance(again.mechanism, again.balancers, again.sweep, objective=again.objective, limits=again.limits)
+    assert left.after["a_joint"].rms == pytest.approx(data["rows"][2]["rms"], rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -383,6 +383,20 @@ def test_ratios_of_a_cable_that_are_no_tackle():
         eq.CableSprings(ratio=())
 
 
+def test_coils_on_the_arm_are_told_of_a_housing():
+    mech = arm()
+    pairs = ((mech.bodies[0], "upper"),)
+    told = {}
+    for carrier in ("upper", mech.bodies[0]):
+        kind = eq.CableSprings(elongation=2.0, room=0.01, rooms={carrier: 0.5}, force=150.0)
+        front = eq.discover(
+            mech, eq.Sweep.sobol(mech, 48), eq.Discover(1, (kind,), pairs, candidates=300, contenders=1)
+        )
+        told[carrier] = str(front)
+    assert f"housing on {mech.bodies[0]} do not weigh" in told["upper"].replace("\n            ", " ")
+    assert "housing" not in told[mech.bodies[0]]
+
+
 def test_springs_that_gain_nothing_are_said_to():
     """Between upper arm and forearm no ideal spring lowers a peak that the shoulder alone holds."""
     mech = arm()
@@ -588,6 +602,32 @@ def test_ctrl_c_returns_what_is_finished():
     assert [len(design.balancers) for design in front.designs] == [1]
     assert "stopped by hand" in str(front)
     assert front.json()["stopped"]
+
+
+def test_ur10_cables():
+    """Two wound springs behind swivelling pulleys reach the wrist's own load, over few poses and candidates."""
+    problem = load_problem(EXAMPLES / "ur10_cables.yaml")
+    problem.check()
+    pairs = (("shoulder_link", "forearm_link"), ("shoulder_link", "upper_arm_link"))
+    request = replace(problem.content.discover, pairs=pairs, candidates=400, contenders=1)
+    front = eq.discover(problem.mechanism, problem.sweep.thinned(np.arange(48)), request, objective=problem.objective)
+    assert front.values[-1] < 0.3
+    design = front.designs[-1]
+    assert len(design.balancers) == 2
+    unseen = problem.mechanism.states(eq.Sweep.sobol(problem.mechanism, 2048, seed=11))
+    for spring in design.balancers:
+        assert isinstance(spring.law, eq.ExtensionSpring)
+        anchor, guide, hook = spring.path.through
+        assert (anchor.body, guide.body, hook.body) == ("shoulder_link", "shoulder_link", "forearm_link")
+        assert guide.radius == 0.015
+        length = spring.path.deform(unseen)[0]
+        assert spring.law.span[0] - 1e-3 <= length.min()
+        assert length.max() <= spring.law.span[1] + 1e-3
+        room = np.linalg.norm(np.subtract(anchor.at, guide.at)) - 0.04
+        assert length.max() <= room + 1e-3
+    found = eq.verify(design, poses=200).verification
+    assert found.agrees
+    assert max(bound.upper for bound in found.bounds.values()) < 2.0
 
 
 def test_ur10_makeable():

@@ -10,8 +10,9 @@ import equipoise as eq
 from equipoise.discovery.ground import Ground
 from equipoise.interference import closest, shell
 from equipoise.interference.axes import passed, ways
+from equipoise.interference.bulk import half_width, outside
 from equipoise.interference.capsules import fit
-from equipoise.interference.findings import clashes
+from equipoise.interference.findings import clashes, room_words
 from equipoise.interference.meshes import corners
 from equipoise.limits import Setting
 from equipoise.limits.avoid import rooms
@@ -145,7 +146,7 @@ def test_a_discovery_that_avoids_bodies_keeps_clear():
 
 
 def test_a_cable_keeps_clear_and_so_do_axes():
-    """The run from guide to hook counts, not the coil's own along its link; a line keeps beside a joint's axis."""
+    """The run from guide to hook counts as a line, the coil on its link besides; a line keeps off a joint's axis."""
     mechanism = arm(60.0)
     states = mechanism.states(eq.Sweep.sobol(mechanism, 32))
     cable = eq.Cable(
@@ -159,7 +160,9 @@ def test_a_cable_keeps_clear_and_so_do_axes():
         for path in (cable, line):
             spring = eq.Spring("s", path, law)
             limit = eq.Avoid("s", radius=0.03, gap=0.02, what=what)
-            found.append(limit.rows(Setting({"s": spring}, states, lambda _: None)))
+            rows = limit.rows(Setting({"s": spring}, states, lambda _: None))
+            found.append([row for row in rows if not row.limit.endswith("(its coil)")])
+            assert (len(rows) > len(found[-1])) == (path is cable and what != "axes")
         assert [row.limit for row in found[0]] == [row.limit for row in found[1]]
         for one, other in zip(*found, strict=True):
             np.testing.assert_allclose(one.h, other.h, atol=1e-12)
@@ -174,3 +177,77 @@ def test_a_cable_keeps_clear_and_so_do_axes():
     assert way == pytest.approx(np.linalg.norm(a + shares * (b - a) - hinge, axis=1).min(), abs=1e-9)
     with pytest.raises(eq.InputError, match="neither a straight line nor a cable"):
         eq.Avoid("s").rows(Setting({"s": eq.Spring("s", eq.Angle("upper_joint"), eq.Torsion())}, rest, lambda _: None))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 7, 8, 12])
+def test_a_bundle_holds_its_coils(count):
+    """As wide as the best known packing of equal circles in a circle, or a little wider."""
+    best = {1: 1.0, 2: 2.0, 3: 2.1547, 4: 2.4142, 7: 3.0, 8: 3.3047, 12: 4.0296}[count]
+    law = eq.ExtensionSpring(0.003, 0.03, 40.0, number=float(count))
+    assert outside(law) == pytest.approx(0.033)
+    assert best * 0.0165 * (1 - 1e-4) <= half_width(law) <= 1.1 * best * 0.0165
+    wound = eq.WindableSpring(0.003, 10.0, number=float(count))
+    assert half_width(wound) == pytest.approx(half_width(law))
+    assert half_width(eq.Coil(free_length=0.1)) == 0.0
+
+
+def beside_the_arm(name, aside, number=3.0):
+    """A coil in the base, `aside` from the arm's plane, behind a cable to the upper link."""
+    path = eq.Cable(
+        (
+            eq.Point("world", (-0.4, aside, 0.0)),
+            eq.Pulley("world", (0.1, aside, 0.0)),
+            eq.Point("upper", (0.2, aside, 0.0)),
+        ),
+        offset=-0.2,
+    )
+    return eq.Spring(name, path, eq.ExtensionSpring(0.003, 0.03, 60.0, number=number))
+
+
+def test_the_coil_behind_a_cable_keeps_its_width_from_links():
+    """In the arm's plane the upper link sweeps through the coil; three coils beside it are kept half a bundle away."""
+    mech = arm()
+    states = mech.states(eq.Sweep.sobol(mech, 256))
+    (capsule,) = (one.radius for one in shell(mech).capsules if one.body == "upper")
+    bundle = 0.0165 * (1 + 2 / np.sqrt(3))
+    for aside in (0.0, 0.06, 0.12):
+        spring = beside_the_arm("s", aside)
+        rows = eq.Avoid("s").rows(Setting({"s": spring}, states, lambda _: None))
+        coil = [row.h for row in rows if row.limit == "clearance of s from upper (its coil)"]
+        # The upper link turns about the origin, above which the coil's line passes.
+        assert np.min(coil) == pytest.approx(max(aside, 1e-12) - capsule - bundle, abs=2e-3)
+        sweep = eq.Sweep.sobol(mech, 256)
+        design = eq.balance(mech, [spring], sweep, norm="rms")
+        found = [clash for clash in clashes(design) if clash.what == "upper with its coil"]
+        assert bool(found) == (aside < capsule + bundle)
+        assert all(clash.depth == pytest.approx(-np.min(coil), abs=1e-6) for clash in found)
+
+
+def test_springs_against_each_other_and_the_room_they_need():
+    mech = arm()
+    near, far, ideal = beside_the_arm("s1", 0.2), beside_the_arm("s2", 0.25, number=1.0), beside_the_arm("s3", 0.5)
+    ideal = eq.Spring("s3", ideal.path, eq.ZeroFreeLength())
+    design = eq.balance(mech, [near, far, ideal], eq.Sweep.sobol(mech, 64), norm="rms")
+    found = {(clash.spring, clash.what): clash for clash in clashes(design)}
+    both = 0.0165 * (2 + 2 / np.sqrt(3))
+    assert found["s1", "s2"].depth == pytest.approx(both - 0.05)
+    assert found["s1", "s2"].share == 1.0
+    assert not {("s1", "s3"), ("s2", "s3"), ("s2", "s1")} & set(found)
+    one, other = room_words(design)
+    assert one.startswith("s1: 3 x 33 mm side by side, or a bundle 71.1 mm thick, by ")
+    assert one.endswith("along world")
+    assert other.startswith("s2: 33 mm across, by ")
+
+
+def test_a_discovery_that_avoids_bodies_keeps_coils_clear_and_knows_the_nearest_poses():
+    """A housing stands on that side of the arm where it is not in the way; at 4000 unseen poses nothing is met."""
+    mech = arm(60.0)
+    kind = eq.CableSprings(rooms={"world": 0.4}, ratio=0.5)
+    make = eq.Makeable(grade="SH", parallel=2, width=0.04)
+    request = eq.Discover(1, kinds=(kind,), candidates=900, contenders=2, poses=100, make=make, avoid="bodies")
+    (design,) = eq.discover(mech, eq.Sweep.sobol(mech, 64), request, objective=eq.Aim(norm="peak")).designs
+    (spring,) = design.balancers
+    setting = Setting({"s1": spring}, mech.states(eq.Sweep.sobol(mech, 4096)), lambda _: None)
+    rows = [row for limit in design.limits if isinstance(limit, eq.Avoid) for row in limit.rows(setting)]
+    assert any(row.limit.endswith("(its coil)") for row in rows)
+    assert min(row.h.min() for row in rows) > -2e-3

@@ -233,6 +233,24 @@ def test_six_parameters_reach_the_optimum_that_most_starts_miss():
     assert design.certificate.starts == 24
 
 
+def test_a_limit_on_geometry_alone_has_its_price():
+    """With a given rate nothing but the hooks keeps a spring short: what one metre more would gain, by differences."""
+    link = eq.chain([eq.Link("arm", length=0.5, mass=3.0, com=(0.2, 0.0, 0.0))])
+    sweep = eq.Sweep.grid(link, {"arm_joint": (-1.0, 1.0, 21)})
+    spring = eq.Spring("s1", eq.Line(eq.Point("world", (0, 0, 0.1)), link.at("arm", 0.1)), eq.ZeroFreeLength(300.0))
+    free = dict.fromkeys(("s1.path.line.0.z", "s1.path.line.1.x"), (0.02, 0.4))
+
+    def found(longest):
+        limits = [eq.Length("s1", max=longest)]
+        return eq.shape(link, [spring], sweep, free, norm="rms", limits=limits, starts=4).certificate
+
+    one, two = found(0.2), found(0.2001)
+    (active,) = one.active
+    assert active.limit == "length of s1 <= 0.2 m"
+    assert active.unit == "N m per m"
+    assert active.price == pytest.approx((one.primal - two.primal) / 1e-4, rel=2e-3)
+
+
 def test_half_the_payload_is_a_floor():
     """0 or 1.5 kg at the tip of one link: whatever serves both leaves half of 1.5 g l, and the certificate says so."""
     arm = eq.chain([eq.Link("link", length=0.4, mass=1.0)])

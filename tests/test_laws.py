@@ -365,6 +365,7 @@ LIMITS = {
     "length": lambda: eq.Length("b", max=0.9, min=0.1),
     "stroke": lambda: eq.Stroke("b", max=0.3),
     "avoid": lambda: eq.Avoid("b", radius=0.03, gap=0.01),
+    "avoid_coil": lambda: eq.Avoid("b", radius=0.03),
     "avoid_axes": lambda: eq.Avoid("b", gap=0.01, what="axes"),
     "stiffness": lambda: eq.Stiffness("b", max=2000.0, min=5.0),
     "elongation": lambda: eq.Elongation("b", max=1.0, min=0.05),
@@ -377,7 +378,10 @@ LIMITS = {
     "exact_at": lambda: eq.ExactAt(({"boom_joint": 0.3},), joints=("boom_joint",)),
     "wrap": lambda: eq.Wrap("b", min=0.1, max=2.0, gap=0.01),
 }
-LIMITED_ON = {"wrap": ("planar", "cable_pulley", "b.path.through.5.x")}
+LIMITED_ON = {
+    "wrap": ("planar", "cable_pulley", "b.path.through.5.x"),
+    "avoid_coil": ("spatial", "cable_eye", "b.path.through.1.at.x"),
+}
 """Mechanism, path and freed number of limits that do not belong to straight lines."""
 
 

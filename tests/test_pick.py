@@ -163,9 +163,7 @@ def test_the_cut_by_closed_form_keeps_the_best_of_any_norm(arm, sweep, norm):
     """Of 33 candidates six are worked on: the best of all is among them."""
     few = eq.read_catalogue(STOCK).take(np.arange(0, 1300, 40))
     over = eq.Sweep.grid(arm, {"arm_joint": (-1.0, 1.2, 31)})
-    whole, cut = (
-        eq.survey_catalogue(arm, [ideal(arm)], over, BOUNDS, few, norm=norm, most=most) for most in (None, 6)
-    )
+    whole, cut = (eq.survey_catalogue(arm, [ideal(arm)], over, BOUNDS, few, norm=norm, most=most) for most in (None, 6))
     assert len(cut.lines) == 6
     assert cut.outranked == len(few) - 6
     assert cut.ranked[0].value == pytest.approx(whole.ranked[0].value, rel=1e-3)

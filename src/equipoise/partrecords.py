@@ -29,8 +29,8 @@ def part_records(design: Design) -> list[dict[str, Any]]:
 def _spring_part(design: Design, spring: Spring) -> dict[str, Any]:
     length, force = spring.force(design.states, design.values)
     model = design.mechanism.model
-    places = [place for place, _ in spring.path.ends()]
-    ends = [place if isinstance(place, Point) else place.seat(model, spring.name) for place in places]
+    seats = [place if isinstance(place, Point) else place.seat(model, spring.name) for place, _ in spring.path.ends()]
+    ends = spring.path.sketch(design.states, 0).anchors or seats
     storage = spring.effort(design.states, "storage")
     energy = storage.at(np.array([design.values[unknown.name] for unknown in storage.unknowns]))[:, 0]
     stored = spring.stored(design.values, design.states)

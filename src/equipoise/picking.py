@@ -38,6 +38,9 @@ def requested(
     changed: dict[str, Any] = {}
     if catalogue is not None:
         changed |= {"catalogue": catalogue, "grid": None}
+        if not catalogue.is_file():
+            hint = "paths on the command line count from the folder it is given in"
+            raise InputError("the catalogue cannot be read: there is no such file", where=str(catalogue), hint=hint)
     if units is not None:
         if units not in ("metric", "inch"):
             raise InputError(f"there is no system of units {units!r}", where="--units", hint="metric or inch")
@@ -60,6 +63,9 @@ def picked(problem: Problem, design: Design, request: Pick, seed: int | None) ->
     from equipoise.verbs.pick import pick
 
     unit = leading(problem.objective).unit(problem.mechanism)
+    if request.catalogue is not None:
+        # What is wrong with a catalogue is told of the catalogue, and before anything is solved.
+        request.table()
     with problem.at_names(), Interrupts(), progress_bar("pick", "candidates", unit) as progress:
         show = None if progress is None else lambda _, done, count, best: progress(done, count, best)
         found = pick(design, request, scatter=problem.content.tolerances, seed=seed or 0, progress=show)

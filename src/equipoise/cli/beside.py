@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from equipoise.cli.answers import answer
 from equipoise.cli.core import File, Json, Out, Starts
 from equipoise.console import emit, say, staging
+
+if TYPE_CHECKING:
+    from equipoise.design import Design
+    from equipoise.problem import Problem
 
 
 def front(
@@ -66,10 +70,12 @@ def side_by_side(
 
 
 def compare(file: File, json: Json = False, out: Out = None, starts: Starts = None) -> int:
-    """A working member of every family of balancers for one joint, side by side and ranked."""
+    """A working member of every family of balancers for one joint, side by side and ranked, as problem files too."""
     from equipoise.families.judge import Chance
     from equipoise.objective import leading
-    from equipoise.reporting.comparison import markdown
+    from equipoise.picking import write_problem
+    from equipoise.reporting.comparison import file_name, markdown
+    from equipoise.reporting.comparison_page import page
     from equipoise.targets import target_of
     from equipoise.verbs.compare import STARTS
     from equipoise.verbs.compare import compare as run
@@ -88,7 +94,29 @@ def compare(file: File, json: Json = False, out: Out = None, starts: Starts = No
             progress=lambda name: say(f"designing {name}"),
         )
 
-    def table(folder: Path) -> None:
+    def beside(folder: Path) -> None:
         (folder / "comparison.md").write_text(markdown(found) + "\n", encoding="utf-8")
+        for entry in found.entries:
+            if entry.design is not None:
+                write_problem(_problem(entry.design, problem), folder / file_name(entry))
+        (folder / "report.html").write_text(page(found), encoding="utf-8")
 
-    return answer(found, "comparison.json", json, out, beside=table)
+    code = answer(found, "comparison.json", json, out, beside=beside)
+    if out is not None:
+        say(f"next        equipoise design {out / file_name(found.entries[0])}")
+        say(f"report      {out / 'report.html'}")
+    return code
+
+
+def _problem(design: Design, problem: Problem) -> Problem:
+    """A member of a family as a problem of its own, judged as it was: by the joint that was compared."""
+    from equipoise.discovery.ask import design_problem
+    from equipoise.discovery.plain import plain
+    from equipoise.objective import leading
+    from equipoise.problem import problem_of
+    from equipoise.yamlfile import Document
+
+    made, aim = design_problem(design, problem), leading(design.objective)
+    joints = {} if aim.joints is None else {"joints": plain(aim.joints)}
+    content = {**made.raw, "objective": {"goal": aim.goal, "norm": aim.norm, **joints}}
+    return problem_of(Document(problem.document.name, content), problem.folder)

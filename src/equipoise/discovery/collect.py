@@ -19,7 +19,7 @@ from equipoise.discovery.lattice import Spots, lattice, listed
 from equipoise.discovery.request import Discover
 from equipoise.errors import InfeasibleError, InputError
 from equipoise.interference.axes import passed
-from equipoise.limits.avoid import Avoid, rooms
+from equipoise.limits.avoid import Avoid, beside, rooms
 from equipoise.mechanism import Mechanism, Point
 from equipoise.objective import Aim
 from equipoise.parts import WindableSpring
@@ -105,7 +105,17 @@ def collect(mechanism: Mechanism, sweep: Sweep, request: Discover, aim: Aim) -> 
 
     moving = tuple(body for body in ground.groups if ground.between("world", body) and _carries(ground, body))
     bodies = _bodies(ground, moving, request, margin, spacing)
-    scene = Scene(ground, bare, counted, spots, found.worth, bodies, _keeper(ground, request, bare), Counter())
+    scene = Scene(
+        ground,
+        bare,
+        counted,
+        spots,
+        found.worth,
+        bodies,
+        _keeper(ground, request, bare),
+        _lying(request, bare),
+        Counter(),
+    )
     batches = tuple(batch for kind in request.tried for batch in kind.batches(scene))
     if not batches:
         raise InfeasibleError(
@@ -250,6 +260,25 @@ def _keeper(ground: Ground, request: Discover, states: States) -> Callable[..., 
         return reasons
 
     return keep
+
+
+def _lying(request: Discover, states: States) -> Callable[[str, Array, Array, float], NDArray[np.bool_]]:
+    """Whether coils on a body from a to b (C, 3), with half a width, m, meet other bodies, where these are avoided."""
+    few = states.take(slice(None, None, 1 + len(states) // LOOKED_AT))
+
+    def meets(body: str, a: Array, b: Array, wide: float) -> NDArray[np.bool_]:
+        if not request.avoids("bodies"):
+            return np.zeros(len(a), dtype=bool)
+        # Many hooks share a guide, and so the coil behind it.
+        places, couple = np.unique(np.hstack([a, b]), axis=0, return_inverse=True)
+        bad = np.zeros(len(places), dtype=bool)
+        for part in _parts(len(places)):
+            line = Line(Point.many(body, places[part, :3]), Point.many(body, places[part, 3:]))
+            for _, room in beside(few, line, request.radius):
+                bad[part] |= (room < wide).any(axis=-1)
+        return bad[couple.ravel()]
+
+    return meets
 
 
 def _blocked(

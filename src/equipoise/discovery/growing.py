@@ -91,7 +91,7 @@ def _promising(collection: Collection, ranked: Ranked, norm: Norm) -> list[tuple
 def _finish(found: Found, sweep: Sweep, aim: Aim, best: Contender) -> None:
     """Shape the best over the whole sweep; a design that is hardly better than the one before is told."""
     parts, refiner = best.refined.parts, found.contest.refiner
-    sweep = with_extremes(refiner.mechanism, parts.balancers, sweep)
+    sweep = with_extremes(refiner.mechanism, parts.balancers, sweep, (*refiner.limits, *parts.limits))
     count = len(parts.balancers)
     least = found.values[-1] if found.values else refiner.bare
     if aim.judged == "nominal" and best.refined.value > least * (1 - BETTER):

@@ -51,6 +51,7 @@ def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:
         choices = choices[:1]
     sized = [refiner.refine(choice) for choice in choices]
     best = min(sized, key=lambda one: one.value + PRICE * refiner.bare * one.excess)
+    refiner = refiner.with_extremes(best.parts)
     return refiner.refine(_each(refiner, best, partial(_ordered, make)))
 
 

@@ -132,10 +132,9 @@ class Refiner:
         self.bare = aim.weight * aim.term(mechanism, bare, self.states.weight, bare).value(np.zeros(0))
 
     def with_extremes(self, parts: Parts) -> Refiner:
-        """The same over the poses at which springs are shortest and longest, too."""
-        return Refiner(
-            self.mechanism, with_extremes(self.mechanism, parts.balancers, self.few), self.objective, self.limits
-        )
+        """The same over the poses, too, at which springs are shortest, longest, or nearest to what they avoid."""
+        sweep = with_extremes(self.mechanism, parts.balancers, self.few, (*self.limits, *parts.limits))
+        return Refiner(self.mechanism, sweep, self.objective, self.limits)
 
     def task(self, parts: Parts) -> Task:
         """The question that parts pose."""

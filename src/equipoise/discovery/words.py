@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from equipoise.balancers.laws import ZeroFreeLength
-from equipoise.balancers.paths import Line
+from equipoise.balancers.paths import Cable, Line
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.discovery.alternative import Alternative
 from equipoise.discovery.front import Bound, Discovery
-from equipoise.interference.findings import clash_words
+from equipoise.interference.findings import clash_words, room_words
+from equipoise.loops import ancestors
 from equipoise.parts import Part
 from equipoise.reporting import limitwords, phrases
 from equipoise.reporting.alternatives import meaning, reached_words
@@ -164,6 +165,8 @@ def _design(front: Discovery, index: int) -> list[str]:
         lines += part_lines(part, balancer, design)
     for words in limits(front, index):
         lines += labelled("limited by", words)
+    for words in room_words(design):
+        lines += labelled("room", words)
     for words in clash_words(front.clashes[index]) if front.clashes else ():
         lines += labelled("clashes", words)
     lines += labelled("certificate", phrases.certificate_words(design))
@@ -189,8 +192,10 @@ def next_steps(front: Discovery, out: Path | None = None) -> list[str]:
     steps = []
     if best.missed:
         steps.append("allow more parts (`springs`), other `kinds`, or a wider `margin`: the target is missed")
-    steps += _overdone(best)
-    collides = bool(front.clashes) and any(clash.depth for clash in front.clashes[front.recommended])
+    steps += [*_overdone(best), *_housed(front, best)]
+    names = {balancer.name for balancer in best.balancers}
+    met = front.clashes[front.recommended] if front.clashes else ()
+    collides = any(clash.depth and clash.what not in names for clash in met)
     if collides and any(isinstance(spring.path, Line) for spring in springs):
         steps.append("`avoid: bodies` in the `discover` block keeps springs out of the links")
     if any(isinstance(spring.law, ZeroFreeLength) for spring in springs):
@@ -203,6 +208,22 @@ def next_steps(front: Discovery, out: Path | None = None) -> list[str]:
     else:
         steps.append(f"{first}`equipoise report {file}` draws one")
     return steps[:3]
+
+
+def _housed(front: Discovery, design: Design) -> list[str]:
+    """A housing for coils that weigh on the motors they serve, where more is left than the floor."""
+    floor = max((bound.value for bound in front.bounds), default=0.0)
+    if front.values[front.recommended] <= CLOSE * floor:
+        return []
+    model = design.mechanism.model
+    for balancer in design.balancers:
+        if isinstance(balancer, Spring) and isinstance(balancer.path, Cable):
+            carrier, hook = (balancer.path.through[index].body for index in (0, -1))
+            deep = [len(ancestors(model, design.mechanism.body_id(body))) for body in (carrier, hook)]
+            if deep[1] < deep[0]:
+                asked = f"kinds: [{{cable: {{rooms: {{{hook}: 500 mm}}}}}}]"
+                return [f"coils in a housing on {hook} do not weigh on the arm: `{asked}`"]
+    return []
 
 
 def _overdone(design: Design) -> list[str]:

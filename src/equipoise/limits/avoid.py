@@ -16,6 +16,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.errors import InputError
 from equipoise.interference import closest, shell
 from equipoise.interference.axes import ways
+from equipoise.interference.bulk import coil, half_width
 from equipoise.limits.limit import Setting
 from equipoise.mechanism import Mechanism, Point
 from equipoise.solve.program import Rows
@@ -32,7 +33,8 @@ class Avoid:
         |p(q, s) - c(q, t)| >= radius + gap
 
     p on the spring, c on a capsule's axis, at the places of least distance. Of a cable every run between bodies that
-    move against each other counts, by the centres of its pulleys. Capsules are fitted to the robot's collision STL or
+    move against each other counts, by the centres of its pulleys, and the coil behind it keeps half the width of its
+    bundle, too, from the links that it does not lie on. Capsules are fitted to the robot's collision STL or
     OBJ where the files are found, else drawn joint to joint with `radius`, m (default: 4 % of the mechanism's size). A
     hook's own link does not count where the hook lies in its capsule. what says what is kept clear of: `bodies`, the
     `axes` of the hinges between the ends (the line, seen along an axis, does not meet it), or `both`. The geometry
@@ -49,17 +51,28 @@ class Avoid:
         spring = setting.find(self.spring, Spring, "avoid")
         if not isinstance(spring.path, Line | Cable):
             raise InputError(f"spring {self.spring} is neither a straight line nor a cable", where="limit avoid")
-        found = []
+        found: list[Rows] = []
         for line in runs(spring):
             clear = rooms(setting.states, line, self.radius) if self.what != "axes" else []
             if self.what != "bodies":
                 clear += [(f"the axis of {joint}", room) for joint, room in ways(setting.states, line).items()]
-            for name, room in clear:
-                left = room - self.gap
-                none = np.zeros((*left.shape, 0), dtype=left.dtype)
-                state = np.arange(left.shape[-1])
-                found.append(Rows(f"clearance of {self.spring} from {name}", "m", none, left, (), state, scale=0.1))
+            found += self._rows(clear)
+        lying = coil(spring, setting.states.mechanism)
+        if lying is not None and self.what != "axes":
+            wide = half_width(spring.law)
+            clear = beside(setting.states, lying, self.radius)
+            found += self._rows([(f"{body} (its coil)", room - wide) for body, room in clear])
         return tuple(found)
+
+    def _rows(self, clear: list[tuple[str, Array]]) -> list[Rows]:
+        """One row per state of what is left (..., N), m, to things by name."""
+        found = []
+        for name, room in clear:
+            left = room - self.gap
+            none = np.zeros((*left.shape, 0), dtype=left.dtype)
+            state = np.arange(left.shape[-1])
+            found.append(Rows(f"clearance of {self.spring} from {name}", "m", none, left, (), state, scale=0.1))
+        return found
 
 
 def runs(spring: Spring) -> tuple[Line, ...]:
@@ -85,6 +98,14 @@ def rooms(states: States, line: Line, radius: float | None) -> list[tuple[str, A
             room = np.where(counts.reshape(-1, 1) if room.ndim > 1 else counts[0], room, 1.0)
         found.append((capsule.body, room))
     return found
+
+
+def beside(states: States, line: Line, radius: float | None) -> list[tuple[str, Array]]:
+    """How far, m, a line on one body (or candidates of one) stays outside of the others' capsules (..., N)."""
+    own = _group(states.mechanism, line.a)
+    a, b = (states.point(point)[0] for point in (line.a, line.b))
+    foreign = [capsule for capsule in shell(states.mechanism, radius).capsules if capsule.body != own]
+    return [(capsule.body, closest(a, b, *capsule.piece(states)) - capsule.radius) for capsule in foreign]
 
 
 def _group(mechanism: Mechanism, point: Point) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 class Column:
     """A column that a catalogue may have: what it is, its dimension, and the names it goes by.
 
-    names are compared without case, blanks and dots; symbols with case, as `d` is a wire and `D` a coil.
+    names are compared without case, blanks, dots and abbreviations; symbols with case, as `d` is a wire and `D` a coil.
     """
 
     key: str
@@ -22,21 +22,21 @@ class Column:
 COLUMNS = (
     Column(
         "part", "text",
-        ("part", "part number", "part no", "partno", "part #", "p/n", "pn", "sku", "article", "article no",
-         "article number", "artikel", "artikelnummer", "artikel nr", "artikelnr",
-         "bestellnummer", "bestell nr", "bestellnr", "order code",
-         "order number", "order no", "stock number", "stock no", "stock #", "catalog number", "catalogue number",
-         "catalog no", "item", "item number", "number", "no", "nr", "reference", "ref", "code", "lee stock number"),
+        ("part", "part number", "partno", "part #", "p/n", "pn", "sku", "article", "article number", "artikel",
+         "artikelnummer", "artikel nr", "artikelnr", "bestellnummer", "bestell nr", "bestellnr", "order code",
+         "order number", "stock number", "stock #", "catalog number", "catalogue number", "item", "item number",
+         "number", "reference", "ref", "code", "lee stock number"),
     ),
     Column(
         "rate", "rate",
-        ("rate", "spring rate", "spring constant", "stiffness", "federrate", "federkonstante", "raideur", "constant",
-         "k factor"), ("R", "k", "c", "K"),
+        ("rate", "spring rate", "spring constant", "stiffness", "federrate", "federkonstante", "federsteifigkeit",
+         "raideur", "constant", "k factor"), ("R", "k", "c", "K"),
     ),
     Column(
         "free_length", "length",
         ("free length", "length free", "unloaded length", "length unloaded", "length", "lange", "länge",
-         "freie länge", "ungespannte länge", "length inside hooks", "free length inside hooks", "longueur libre", "fl"),
+         "freie länge", "ungespannte länge", "länge ungespannt", "unbelastete länge", "länge unbelastet",
+         "length inside hooks", "free length inside hooks", "longueur libre", "fl"),
         ("L0", "Lo", "L", "L_0"),
     ),
     Column(
@@ -46,26 +46,33 @@ COLUMNS = (
     ),
     Column(
         "longest", "length",
-        ("max length", "maximum length", "max extended length", "maximum extended length", "extended length",
-         "length at max load", "loaded length", "length loaded", "länge gespannt", "max ext length"),
+        ("max length", "max extended length", "extended length", "length at max load", "loaded length",
+         "length loaded", "länge gespannt", "max länge", "gespannte länge", "größte länge"),
         ("Ln", "Lmax", "L_n"),
     ),
-    Column("solid", "length", ("solid length", "solid height", "min length", "minimum length", "blocklänge"), ("Lc",)),
+    Column("solid", "length", ("solid length", "solid height", "min length", "blocklänge"), ("Lc",)),
     Column(
         "force", "force",
-        ("max load", "maximum load", "max force", "maximum force", "load at max length", "load", "suggested max load",
-         "load capacity", "max kraft", "federkraft"), ("Fn", "Fmax", "F_n", "F2"),
+        ("max load", "max force", "load at max length", "load", "suggested max load", "load capacity", "max kraft",
+         "größte kraft", "max federkraft", "federkraft"), ("Fn", "Fmax", "F_n", "F2"),
     ),
     Column(
         "travel", "length",
-        ("max deflection", "maximum deflection", "max travel", "maximum travel", "travel", "max extension",
-         "maximum extension", "deflection", "suggested max deflection", "federweg", "stroke"), ("sn", "s_n", "Sn"),
+        ("max deflection", "max travel", "travel", "max extension", "deflection", "suggested max deflection",
+         "federweg", "max federweg", "größter federweg", "stroke"), ("sn", "s_n", "Sn"),
     ),
-    Column("outside", "length", ("outside diameter", "outer diameter", "od", "aussendurchmesser", "außendurchmesser"),
-           ("De", "Da", "OD", "D_e")),
-    Column("diameter", "length", ("mean diameter", "mean coil diameter", "mittlerer durchmesser"), ("D", "Dm", "D_m")),
-    Column("wire", "length", ("wire", "wire diameter", "wire dia", "wire size", "drahtdurchmesser", "draht"), ("d",)),
-    Column("coils", "number", ("active coils", "coils", "number of coils", "windungen", "turns"), ("n", "Na")),
+    Column("outside", "length",
+           ("outside diameter", "outer diameter", "coil outside diameter", "od", "aussendurchmesser",
+            "außendurchmesser", "äußerer durchmesser"), ("De", "Da", "OD", "D_e")),
+    Column("diameter", "length",
+           ("mean diameter", "mean coil diameter", "mittlerer durchmesser", "mittlerer windungsdurchmesser"),
+           ("D", "Dm", "D_m")),
+    Column("wire", "length",
+           ("wire", "wire diameter", "wire size", "wire thickness", "drahtdurchmesser", "drahtstärke", "drahtdicke",
+            "draht"), ("d",)),
+    Column("coils", "number",
+           ("active coils", "coils", "number of coils", "number of active coils", "windungen", "windungszahl",
+            "anzahl windungen", "wirksame windungen", "federnde windungen", "turns"), ("n", "Na")),
     Column("mass", "mass", ("mass", "weight", "gewicht", "masse"), ("m",)),
     Column("grade", "text", ("material", "grade", "werkstoff", "wire grade", "mat")),
     Column("form", "text", ("form", "type", "kind", "spring type", "typ", "art")),
@@ -98,6 +105,12 @@ IMPERIAL = ("in", "lbf", "ozf", "lbf/in", "ozf/in", "lb", "oz")
 _SPLIT = re.compile(r"^(.*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|,\s*([^,\s]+(?:/\w+)?)|\bin\s+(\S+))?\s*$")
 
 
+_LONG = {
+    "dia": "diameter", "diam": "diameter", "ø": "diameter", "len": "length", "ext": "extended", "defl": "deflection",
+    "maximum": "max", "maximale": "max", "maximaler": "max", "minimum": "min", "number": "no", "nr": "no",
+}  # fmt: skip
+
+
 def unit_of(text: str, kind: str) -> str | None:
     """The unit that a word stands for in a column of a kind, or None."""
     word = text.strip().lower().rstrip(".").replace(" ", "").replace("per", "/").replace("in./", "in/")
@@ -108,15 +121,32 @@ def recognise(header: str) -> tuple[str, str | None] | None:
     """(column, unit or None) of a header such as `Spring Rate [lbs/in]`; None for what nobody here knows."""
     found = _SPLIT.match(header.strip())
     name, unit = (found.group(1), next((g for g in found.groups()[1:] if g), None)) if found else (header, None)
-    for candidate, said in ((name, unit), (header.strip(), None), *_tail(name)):
-        for column in COLUMNS:
-            plain = re.sub(r"[\s._-]+", " ", candidate.strip().lower()).strip()
-            if candidate.strip() in column.symbols or plain in column.names:
-                return column.key, unit_of(said, column.kind) if said else None
+    for candidate, said in (*_named(name, unit), (header.strip(), None), *_tail(name)):
+        column = _SYMBOLS.get(candidate.strip()) or _NAMES.get(_plain(candidate))
+        if column is not None:
+            return column.key, unit_of(said, column.kind) if said else None
     return None
 
 
+def _plain(name: str) -> str:
+    """A name without case, blanks, dots and abbreviations."""
+    words = re.sub(r"[\s._-]+", " ", name.strip().lower()).split()
+    return " ".join(_LONG.get(word, word) for word in words)
+
+
+_SYMBOLS = {symbol: column for column in COLUMNS for symbol in column.symbols}
+_NAMES = {_plain(name): column for column in COLUMNS for name in column.names}
+
+
+def _named(name: str, unit: str | None) -> tuple[tuple[str, str | None], ...]:
+    """`Länge L0`, `max. Länge Ln`: a symbol of two letters behind its name says more than the name; then the name."""
+    words = name.split()
+    last = words[-1] if len(words) > 1 else ""
+    symbol = ((last, unit),) if len(last) > 1 and last in _SYMBOLS else ()
+    return (*symbol, (name, unit))
+
+
 def _tail(name: str) -> tuple[tuple[str, str], ...]:
-    """`Rate N/mm`, `free_length_mm`: a unit as the last word."""
+    """`Rate N/mm`, `free_length_mm`: a unit, or a symbol of one letter, as the last word."""
     words = re.split(r"[\s_]+", name.strip())
     return ((" ".join(words[:-1]), words[-1]),) if len(words) > 1 else ()

@@ -111,7 +111,7 @@ class _Made:
         return Catalogue(
             name=self.table.name, part=self.part, form=self.forms, rate=n["rate"], free_length=n["free_length"],
             initial_tension=tension, travel=travel, mass=mass, width=width,
-            line=np.array(self.table.lines), remarks=(*remarks, *self._doubts(diameter)),
+            line=np.array(self.table.lines), remarks=(*remarks, *self._doubts(diameter), *self._unread()),
         )  # fmt: skip
 
     def _insist_on_travel(self, travel: Array, ways: Array) -> None:
@@ -155,8 +155,15 @@ class _Made:
         coils = np.where(np.isnan(n["coils"]), coil.rate(n["wire"], diameter, n["rate"], shear), n["coils"])
         mass = np.where(np.isnan(n["mass"]), coil.wire_mass(n["wire"], diameter, coils + 2, density), n["mass"])
         unknown = int((~np.isfinite(mass)).sum())
-        words = (f"{unknown} springs have no mass: taken as weightless",) if unknown else ()
+        said = f"{unknown} springs have no mass: taken as weightless; a column for it, or wire and diameter, gives it"
+        words = (said,) if unknown else ()
         return np.where(np.isfinite(mass), mass, 0.0), words
+
+    def _unread(self) -> tuple[str, ...]:
+        """Columns that nobody here knows: a user may have thought that they count."""
+        table = self.table
+        names = [repr(said) for i, said in enumerate(table.header) if said and i not in table.place.values()]
+        return (f"columns that are not read: {', '.join(names)}",) if names else ()
 
     def _doubts(self, diameter: Array) -> tuple[str, ...]:
         """Rows whose rate is far from what wire, coil and coils give."""

@@ -160,9 +160,11 @@ def _with_units(table: Table, system: str | None) -> Table:
         kind = KINDS[key]
         if kind in ("text", "number") or key in units:
             continue
-        said = {unit_of(m.group(2), kind) for cells in table.cells if (m := _CELL.fullmatch(cells[i])) and m.group(2)}
-        if len(said - {None}) == 1:
-            units[key] = (said - {None}).pop() or ""
+        written = [m.group(2) for cells in table.cells if (m := _CELL.fullmatch(cells[i])) and m.group(2)]
+        said = [unit for word in written if (unit := unit_of(word, kind)) is not None]
+        if said:
+            # Where others stand beside the first, the numbers are refused by row.
+            units[key] = said[0]
         elif any(cells[i].lower() not in _EMPTY for cells in table.cells):
             open_ones.append(key)
     if open_ones:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from equipoise.reporting.numbers import plain, quantity, sig
@@ -33,7 +34,7 @@ NONE = "-"
 
 def text(found: Comparison) -> str:
     """The table with its head, and why each stands where it does."""
-    rows = [HEAD, *(_cells(entry) for entry in found.entries)]
+    rows = [HEAD, *(cells(entry) for entry in found.entries)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
     left = {1, 2}
     lines = [
@@ -42,6 +43,11 @@ def text(found: Comparison) -> str:
     ]
     reasons = [f"  {entry.rank:>2}  {entry.family.name}: {entry.reason}{_cited(entry)}" for entry in found.entries]
     return "\n".join([headline(found), "", *(line.rstrip() for line in lines), "", *reasons])
+
+
+def file_name(entry: Entry) -> str:
+    """The problem file of a family's member: `02_spring_cable_and_eye.yaml`."""
+    return f"{entry.rank:02d}_{re.sub('[^a-z0-9]+', '_', entry.family.name.lower()).strip('_')}.yaml"
 
 
 def _cited(entry: Entry) -> str:
@@ -53,25 +59,26 @@ def headline(found: Comparison) -> str:
     before = found.before
     return (
         f"{found.site.mechanism.name}, {found.site.joint}: {sig(before.peak)} peak, {sig(before.rms)} rms, "
-        f"{sig(before.mean)} mean {before.unit} to hold; ranked by {_measure(found)}, then parts, then "
+        f"{sig(before.mean)} mean {before.unit} to hold; ranked by {measure(found)}, then parts, then "
         f"room (reach {quantity(found.site.room, 'm')}). Motor rms over {found.motion}: {sig(found.torque)} "
         f"{before.unit} without a balancer."
     )
 
 
-def _measure(found: Comparison) -> str:
+def measure(found: Comparison) -> str:
     """What the rows are ranked by."""
     return f"the 95 % value of the {found.norm}" if found.judged == "band" else f"what is left of the {found.norm}"
 
 
 def markdown(found: Comparison) -> str:
     """The same table in Markdown."""
-    rows = [_cells(entry) for entry in found.entries]
+    rows = [cells(entry) for entry in found.entries]
     marks = ["---" if i in (1, 2) else "---:" for i in range(len(HEAD))]
     return "\n".join("| " + " | ".join(row) + " |" for row in [HEAD, marks, *rows])
 
 
-def _cells(entry: Entry) -> list[str]:
+def cells(entry: Entry) -> list[str]:
+    """A row of the table, in the order of its head."""
     family, facts = entry.family, entry.facts
     start = [str(entry.rank), family.name, family.code or NONE]
     parts = str(entry.json()["parts"])

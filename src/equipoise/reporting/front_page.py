@@ -11,7 +11,7 @@ from equipoise.balancers.spring import Spring
 from equipoise.design import Design
 from equipoise.discovery import words
 from equipoise.discovery.front import Discovery
-from equipoise.interference.findings import clash_words
+from equipoise.interference.findings import clash_words, room_words
 from equipoise.reporting import phrases, style, tables
 from equipoise.reporting.alternatives import alternatives
 from equipoise.reporting.drawing import drawing
@@ -195,6 +195,7 @@ def _facts(front: Discovery, index: int) -> list[tuple[str, str]]:
     facts += [(label or "adjusted", said) for label, said in tolerance_words(design)]
     facts += [("friction", said)] if (said := friction_words(design)) else []
     facts += [("to mount", f"{spring.name}: {' at '.join(mounting(design, spring))}") for spring in springs]
+    facts += [("room", one) for one in room_words(design)]
     facts += [("clashes", one) for one in (clash_words(front.clashes[index]) if front.clashes else ())]
     return facts
 

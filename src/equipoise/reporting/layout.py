@@ -12,8 +12,8 @@ WIDEST, NARROWEST = 110, 60
 LABEL = 12
 REMARK = 24
 """Columns that a remark has at least."""
-UNIT = re.compile(r"(?<=\d) (?=(?:%|[^\W\d]{1,3})(?![^\W\d]))")
-"""The space between a number and its unit, where no line ends."""
+UNIT = re.compile(r"(?<=\d) (?=(?:%|[^\W\d]{1,3})(?![^\W\d]))|(?<=\bN) (?=m\b)")
+"""The space between a number and its unit, and within N m, where no line ends."""
 GLUE = "\u00a0"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
-from equipoise.balancers.paths import Mount, Profile, Pulley
+from equipoise.balancers.paths import Cable, Mount, Profile, Pulley
 from equipoise.mechanism import Point
 from equipoise.parameters import tag
 from equipoise.reporting.numbers import place, quantity
@@ -31,11 +31,20 @@ def _fields(item: Any) -> list[str]:
         value = getattr(item, field.name)
         if field.default is not MISSING and value == field.default:
             continue
+        if isinstance(item, Cable) and field.name == "ratio" and _falls(value) > 1:
+            words.append(f"tackle of {_falls(value)} falls")
+            continue
         name = field.name.replace("_", " ")
         unit = along_path(marks.get(field.name, ""), getattr(item, "unit", "m"))
         text = place(value) if field.name == "at" and isinstance(value, tuple) else _value(value, unit)
         words.append(text if field.name in SPEAKING else f"{name} {text}")
     return words
+
+
+def _falls(ratio: float) -> int:
+    """How many falls a tackle of this ratio has, 0 where it is none."""
+    falls = round(1 / ratio) if 0 < ratio <= 1 else 0
+    return falls if falls and abs(falls * ratio - 1) < 1e-9 else 0
 
 
 def _part(value: Any) -> str:

@@ -99,7 +99,8 @@ def _advice(analysis: Analysis) -> str:
     child = int(model.jnt_bodyid[analysis.mechanism.joint_id(joint)])
     parent, body = model.body(int(model.body_parentid[child])).name, model.body(child).name
     return (
-        f"a spring from {parent} to {body} acts on {joint}: write it into a problem file, then `equipoise design FILE`"
+        f"`equipoise discover FILE` finds which springs, and where; one from {parent} to {body} acts on {joint}, and "
+        "`equipoise design FILE` has a problem file to start from"
     )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -38,7 +38,10 @@ class Freedom:
 
 @dataclass(frozen=True, eq=False)
 class Local:
-    """A local optimum: gamma (G,), the merit N + penalty * excess, what one more step would gain."""
+    """A local optimum: gamma (G,), the merit N + penalty * excess, what one more step would gain.
+
+    prices (G,) are those of the bounds of gamma, limits {limit: price} those of limits where geometry may move too.
+    """
 
     gamma: Array
     merit: float
@@ -46,6 +49,7 @@ class Local:
     stationarity: float
     solution: Solution
     prices: Array
+    limits: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,7 +274,8 @@ def descend(
     prices = priced[count:] if len(priced) == count + len(gamma) else np.zeros(len(gamma))
     at_bound = (np.abs(gamma - low) <= 1e-7 * span) | (np.abs(gamma - high) <= 1e-7 * span)
     excess, stationarity = here.solution.excess, max(predicted, 0.0)
-    return Local(gamma, here.merit, excess, stationarity, here.solution, np.where(at_bound, prices, 0.0))
+    limits = trial.prices.limits if trial is not here.solution else {}
+    return Local(gamma, here.merit, excess, stationarity, here.solution, np.where(at_bound, prices, 0.0), limits)
 
 
 def _bend(model: Program, there: Program, x: Array) -> Program:

@@ -37,6 +37,15 @@ def finish_optimum(search: Search, optima: Optima, balanced: Balanced) -> Design
         for f, price in zip(search.freedoms, best.prices, strict=True)
         if abs(price) * (f.upper - f.lower) > 1e-6 * max(balanced.solution.objective, 1e-300)
     ]
+    named = {active.limit for active in inner.active}
+    sizes_of = {rows.limit: (float(rows.scale), rows.unit) for rows in balanced.program.rows}
+    shaped = [
+        Active(limit, price, f"{unit} per {sizes_of[limit][1]}")
+        for limit, price in best.limits.items()
+        if limit in sizes_of
+        and limit not in named
+        and price * sizes_of[limit][0] > 1e-6 * max(balanced.solution.objective, 1e-300)
+    ]
     merits = [local.merit for local in optima.found]
     certificate = replace(
         inner,
@@ -45,7 +54,7 @@ def finish_optimum(search: Search, optima: Optima, balanced: Balanced) -> Design
         optima=optima.distinct,
         spread=float(max(merits) - min(merits)),
         stationarity=best.stationarity,
-        active=tuple(bound) + inner.active,
+        active=(*bound, *shaped, *inner.active),
         floors=floors(
             wide,
             np.append(theta, np.zeros(len(search.freedoms))),

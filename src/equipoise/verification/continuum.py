@@ -15,7 +15,7 @@ from equipoise.row import Row
 from equipoise.sweep import Sweep
 from equipoise.verification.boxes import Found, search
 from equipoise.verification.estimate import estimate
-from equipoise.verification.field import Field
+from equipoise.verification.field import Coordinates, Field
 from equipoise.verification.findings import Bound
 
 RELATIVE = 0.002
@@ -51,43 +51,35 @@ def bounds(
     affine in (cos q, sin q) of each hinge and quadratic in each slide: three values per joint determine
     them, and triangles around the arcs enclose them. Cells are split until the bound exceeds the largest value
     met by less than 0.2 % or 0.01 % of the joint's load, or `budget` cells of that joint are used; it is valid
-    either way, up to rounding. Mechanisms with closed loops or tendon springs of their own, and springs that are
-    bent or follow no single straight distance, and efforts that are no such waves (joints that copy others, a coil's
-    weight behind a cable), get an estimate, efforts that depend on more than eight joints no bound; both say so. A
-    sweep without a box has no bounds.
+    either way, up to rounding. A spring behind a cable through eyes follows one distance as well; the weight of its end
+    adds products of waves with s_m^(1/2). Mechanisms with closed loops or tendon springs of their own, springs that are
+    bent or follow more than one distance, and efforts that are no such waves (joints that copy others) get an estimate,
+    efforts that depend on more than eight joints no bound; both say so. A sweep without a box has no bounds.
     """
     if sweep.box is None:
         return {}
     joints = mechanism.driven
-    peaks = [rows[joint].peak for joint in joints]
-    method = ESTIMATE
     try:
         field = Field(mechanism, balancers, values, sweep)
-        known = [_row(field, index, rows[joint], budget) for index, joint in enumerate(joints)]
-        rough: list[Found] = []
-        if None in known:
-            rough = estimate(field.residual, field.box, peaks, relative=RELATIVE, of_load=OF_LOAD, budget=budget)
+        return {joint: _row(field, index, rows[joint], budget) for index, joint in enumerate(joints)}
     except InputError as error:
-        known = [None] * len(joints)
-        rough = [Found(np.inf, peak, 0, False) for peak in peaks]
         method = f"no bound: the loops or paths do not close everywhere in the box ({error.message})"
-    return {
-        joint: known[index] or _bound(rows[joint], rough[index], method, False) for index, joint in enumerate(joints)
-    }
+        none = {joint: Found(np.inf, rows[joint].peak, 0, False) for joint in joints}
+        return {joint: _bound(rows[joint], none[joint], method, False) for joint in joints}
 
 
-def _row(field: Field, index: int, row: Row, budget: int) -> Bound | None:
-    """The bound of one joint; None where its effort is no wave of the hinges of an open chain."""
-    if not (_open(field.mechanism) and field.straight):
-        return None
+def _row(field: Field, index: int, row: Row, budget: int) -> Bound:
+    """The bound of one joint, an estimate where its effort is no wave of the hinges of an open chain."""
+    if not _open(field.mechanism):
+        return _rough(field, index, row, field.everything, budget)
     at = field.coordinates(index)
     joints = len(at.joints)
     if joints > WIDEST:
         method = f"no bound: the effort depends on {joints} joints, no more than {WIDEST} can be searched"
         return _bound(row, Found(np.inf, row.peak, 0, False), method, False)
-    enclosure = field.enclosure(index, at)
+    enclosure = field.enclosure(index, at) if field.straight else None
     if enclosure is None:
-        return None
+        return _rough(field, index, row, at, budget)
     work = max(LEAST, WORK // len(field.box))
     found = search(
         enclosure,
@@ -102,6 +94,18 @@ def _row(field: Field, index: int, row: Row, budget: int) -> Bound | None:
         return _bound(row, found, "no bound: a spring with preload or free length may shrink to nothing", True)
     method = METHOD + (SPRINGS if len(enclosure.intercepts) else "")
     return _bound(row, replace(found, upper=found.upper + enclosure.slack), method, True)
+
+
+def _rough(field: Field, index: int, row: Row, at: Coordinates, budget: int) -> Bound:
+    found = estimate(
+        lambda places: field.residual(field.positions(places, at))[..., index],
+        at.box,
+        row.peak,
+        relative=RELATIVE,
+        of_load=OF_LOAD,
+        budget=budget,
+    )
+    return _bound(row, found, ESTIMATE, False)
 
 
 def _bound(row: Row, found: Found, method: str, rigorous: bool) -> Bound:

@@ -17,12 +17,14 @@ ROUNDING = 1e-13
 
 @dataclass(frozen=True, eq=False)
 class Enclosure:
-    """r = P + sum_m c_m s'_m / (2 sqrt s_m) + k (q_j - rest), for S payloads.
+    """r = P + sum_m ((c_m + W_m) s'_m / (2 sqrt s_m) + V_m sqrt s_m) + k (q_j - rest), for S payloads.
 
     axes        the n joints that move it
-    waves       coefficients (F, 3^n) of P for every payload, then of s_m (m^2) and s'_m = ds_m/dq_j in turn
+    waves       coefficients (F, 3^n) of P for every payload, then of s_m (m^2) and s'_m = ds_m/dq_j in turn, at last of
+                V_m (N) and W_m (N) of the riders
     scenarios   S
     intercepts  c_m (M,), N: force of the springs' lines at length zero
+    riders      the springs m whose weight moves along a body as their length does; V and W of others are zero
     spring      (k, rest, place of joint j among the axes) of a spring in the file at the joint itself
     slack       what rounding may add to the bound
 
@@ -30,7 +32,8 @@ class Enclosure:
 
         s' phi(s) = phi_c s' + phi'_c s'_c (s - s_c) + phi'_c (s' - s'_c)(s - s_c) + s' phi''(xi) (s - s_c)^2 / 2
 
-    of which the first two terms are waves, and the others, by the ranges of s and s', the remainder.
+    of which the first two terms are waves, and the others, by the ranges of s and s', the remainder. A product of two
+    waves is f g = f_c g + g_c (f - f_c) + (f - f_c)(g - g_c), the last of which goes to the remainder.
     """
 
     axes: Axes
@@ -38,6 +41,7 @@ class Enclosure:
     scenarios: int
     intercepts: Array
     spring: tuple[float, float, int]
+    riders: tuple[int, ...] = ()
     slack: float = 0.0
 
     @property
@@ -66,9 +70,16 @@ class Enclosure:
         value, at_centre, remainder = corners[:, :S], middle[:, :S], np.zeros(len(centre))
         for m, intercept in enumerate(self.intercepts):
             pick = S + 2 * m
-            extra, there, left = _expand(intercept, corners[:, pick : pick + 2], middle[:, pick : pick + 2])
-            value, at_centre = value + extra[:, None], at_centre + there[:, None]
-            remainder = remainder + left
+            parts = [_expand(intercept, corners[:, pick : pick + 2], middle[:, pick : pick + 2])]
+            if m in self.riders:
+                rider = S + 2 * len(self.intercepts) + 2 * self.riders.index(m)
+                unit = _expand(1.0, corners[:, pick : pick + 2], middle[:, pick : pick + 2])
+                root = _root(corners[:, pick], middle[:, pick])
+                parts += [_times(root, corners[:, rider], middle[:, rider])]
+                parts += [_times(unit, corners[:, rider + 1], middle[:, rider + 1])]
+            for extra, there, left in parts:
+                value, at_centre = value + extra[:, None], at_centre + there[:, None]
+                remainder = remainder + left
         stiffness, rest, own = self.spring
         if stiffness:
             torque = stiffness * (centre[:, own] - rest)
@@ -120,7 +131,35 @@ class Enclosure:
         return first, np.take_along_axis(value, corner[:, None] + 0 * digits, axis=1), second
 
 
-def _expand(intercept: float, corners: Array, middle: Array) -> tuple[Array, Array, Array]:
+Expanded = tuple[Array, Array, Array]
+"""Waves at corners (C, 3^n), the value at centres (C,), and the remainder (C,)."""
+
+
+def _root(square: Array, s: Array) -> Expanded:
+    """sqrt s about the cell's centre: sqrt s_c + (s - s_c) / (2 sqrt s_c), off by (s - s_c)^2 / (8 s_least^(3/2))."""
+    least = square.min(axis=1)
+    far = (least <= 0) | (s <= 0)
+    s, least = np.where(far, 1.0, s), np.where(far, 1.0, least)
+    apart = square - s[:, None]
+    left = np.where(far, np.inf, np.abs(apart).max(axis=1) ** 2 / (8 * least**1.5))
+    wave = np.sqrt(s)[:, None] + apart / (2 * np.sqrt(s)[:, None])
+    return np.where(far[:, None], 0.0, wave), np.where(far, np.nan, np.sqrt(s)), left
+
+
+def _times(one: Expanded, corners: Array, centre: Array) -> Expanded:
+    """The product of an expansion and a wave (C, 3^n) with its values at centres (C,)."""
+    wave, there, left = one
+    known = np.where(np.isnan(there), 0.0, there)
+    apart, turned = wave - known[:, None], corners - centre[:, None]
+    most = np.abs(turned).max(axis=1)
+    with np.errstate(invalid="ignore"):
+        loose = (np.abs(apart).max(axis=1) + left) * most + np.abs(centre) * left
+    # A wave that vanishes on the whole cell takes an unbounded remainder with it.
+    loose = np.where((most == 0) & (centre == 0), 0.0, np.nan_to_num(loose, nan=np.inf))
+    return known[:, None] * turned + centre[:, None] * wave, there * centre, loose
+
+
+def _expand(intercept: float, corners: Array, middle: Array) -> Expanded:
     """Waves of c s' / (2 sqrt s) at corners (C, 3^n), its value at centres (C,) and the remainder (C,)."""
     square, slope = corners[:, 0], corners[:, 1]
     s, ds = middle[:, 0], middle[:, 1]

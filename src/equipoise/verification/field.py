@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from equipoise.affine import Array
 from equipoise.assemble import Balancer, effort
 from equipoise.balancers.paths import Line
+from equipoise.balancers.paths.path import Place
 from equipoise.balancers.spring import Spring
 from equipoise.mechanism import Mechanism, Point
 from equipoise.states import States
@@ -60,7 +62,7 @@ class Field:
         bare, total = states.holding, self._total(states)
         self.loads = np.abs(bare).max(axis=0)
         self.scale = float(np.maximum(np.abs(bare), np.abs(total - bare)).max())
-        self.springs = [spring for spring in springs if self._intercept(spring) != 0.0]
+        self.springs = [spring for spring in springs if self._intercept(spring) != 0.0 or _riding(spring)]
 
     @property
     def straight(self) -> bool:
@@ -99,12 +101,23 @@ class Field:
         box = self.middle[kept, None] + reach[:, None] * np.array([-1.0, 1.0])
         return Coordinates(np.array(kept, dtype=int), lead, box)
 
+    @property
+    def everything(self) -> Coordinates:
+        """All joints as they are."""
+        count = len(self.box)
+        return Coordinates(np.arange(count), np.eye(count), self.box)
+
+    def positions(self, places: Array, at: Coordinates) -> Array:
+        """Positions (N, nd) of coordinates (N, n), the other joints in the middle of their range."""
+        q = np.tile(self.middle, (len(places), 1))
+        q[:, at.joints] = places
+        return q
+
     def enclosure(self, row: int, at: Coordinates) -> Enclosure | None:
         """The effort of one joint as waves of its coordinates; None where it proves to be no such thing."""
         model, ids = self.mechanism.model, self.mechanism.driven_ids
         axes = Axes(model.jnt_type[ids[at.joints]] == mujoco.mjtJoint.mjJNT_HINGE, at.box)
-        nodes = np.tile(self.middle, (3 ** len(at.joints), 1))
-        nodes[:, at.joints] = axes.nodes()
+        nodes = self.positions(axes.nodes(), at)
         stiffness = float(model.jnt_stiffness[ids[row]])
         rest = float(model.qpos_spring[model.jnt_qposadr[ids[row]]])
         springs = [spring for spring in self.springs if self._matters(spring, row)]
@@ -113,6 +126,7 @@ class Field:
             waves=axes.fit(self._waves(nodes, row, springs, stiffness, rest)),
             scenarios=len(self.sweep.scenarios),
             intercepts=np.array([self._intercept(spring) for spring in springs]),
+            riders=tuple(number for number, spring in enumerate(springs) if _riding(spring)),
             spring=(stiffness, rest, int(np.flatnonzero(at.joints == row)[0]) if stiffness else -1),
         )
         reduced = self.middle[at.joints] + (self.probes - self.middle) @ at.lead.T
@@ -120,44 +134,52 @@ class Field:
         return enclosure.confirmed(values, reduced, NEGLIGIBLE * self.scale)
 
     def _waves(self, q: Array, row: int, springs: Sequence[Spring], stiffness: float, rest: float) -> Array:
-        """P per payload, then s and ds/dq_row of every spring with an intercept: (F, N)."""
+        """P per payload, s and ds/dq_row of every spring with an intercept, then V and W of those that ride: (F, N)."""
         states = self._states(q)
         smooth = self._total(states).reshape(-1, *q.shape)[..., row] - stiffness * (q[:, row] - rest)
-        shared = []
+        shared, riders = [], []
         for spring in springs:
             length, rate = self._distance(spring, states)
             length, rate = length[: len(q)], rate[: len(q), row]
             smooth = smooth - self._intercept(spring) * rate
             shared += [length * length, 2 * length * rate]
-        return np.concatenate([smooth, np.array(shared).reshape(-1, len(q))])
+            if _riding(spring):
+                across, along = (wave[: len(q)] for wave in self._rider(spring, states, row))
+                smooth = smooth - across * length - along * rate
+                riders += [across, along]
+        return np.concatenate([smooth, np.array(shared + riders).reshape(-1, len(q))])
 
     def _matters(self, spring: Spring, row: int) -> bool:
-        rate = self._distance(spring, self._at_probes)[1][:, row]
-        return bool(np.abs(self._intercept(spring) * rate).max() > NEGLIGIBLE * self.scale)
+        length, rate = self._distance(spring, self._at_probes)
+        pull = self._intercept(spring) * rate[:, row]
+        if _riding(spring):
+            across, along = self._rider(spring, self._at_probes, row)
+            pull = np.abs(pull) + np.abs(across * length) + np.abs(along * rate[:, row])
+        return bool(np.abs(pull).max() > NEGLIGIBLE * self.scale)
 
     def _intercept(self, spring: Spring) -> float:
-        """The pull along the spring's distance, N, where that is zero, with that of weights that follow it."""
+        """The pull along the spring's distance, N, where that is zero."""
         line, run = spring.law.line(spring.own(self.values)), self._runs[spring.name]
-        if line is None or run is None:
-            return 0.0
-        return run.ratio * (line[0] + line[1] * run.offset) + self._hung(spring)
+        return 0.0 if line is None or run is None else run.ratio * (line[0] + line[1] * run.offset)
+
+    def _rider(self, spring: Spring, states: States, row: int) -> tuple[Array, Array]:
+        """V and W (N,) of the weight d V + W dd/dq that parts at l = ratio d + offset along a body's own line add.
+
+        The energy of such a part is affine in l: its slope and the slope's own derivative follow from two offsets.
+        """
+        run, path = self._runs[spring.name], spring.path
+        assert run is not None
+        there = replace(spring, path=replace(path, offset=path.offset + 1.0))  # type: ignore[call-arg, attr-defined]
+        across, along = 0.0, 0.0
+        for one, sign in ((there, 1.0), (spring, -1.0)):
+            for place, mass in _riding(one):
+                across = across + sign * states.weight_effort(place, mass)[:, row]
+                along = along + sign * states.weight_energy(place, mass)
+        return run.ratio * np.asarray(across), run.ratio * np.asarray(along)
 
     @cached_property
     def _at_probes(self) -> States:
         return self._states(self.probes)
-
-    def _hung(self, spring: Spring) -> float:
-        """What parts that move within a body pull along the distance by their weight, N; 0 where they do not only so.
-
-        The end of a coil that hangs in the base rises as the distance shrinks, at every pose alike.
-        """
-        moving = [(place, mass) for place, mass in spring.masses if not isinstance(place, Point)]
-        if not moving:
-            return 0.0
-        weight = sum(self._at_probes.weight_effort(place, mass) for place, mass in moving)
-        rate = self._distance(spring, self._at_probes)[1]
-        pull = float((weight * rate).sum() / ((rate * rate).sum() + 1e-300))
-        return pull if np.abs(weight - pull * rate).max() <= NEGLIGIBLE * self.scale else 0.0
 
     def _distance(self, spring: Spring, states: States) -> tuple[Array, Array]:
         run = self._runs[spring.name]
@@ -204,6 +226,11 @@ class Field:
 
     def _states(self, q: Array) -> States:
         return self.mechanism.states(self.sweep.at_poses(q))
+
+
+def _riding(spring: Spring) -> list[tuple[Place, Any]]:
+    """The spring's parts that move within a body, as the end of a coil behind a cable does, with their masses."""
+    return [(place, mass) for place, mass in spring.masses if not isinstance(place, Point)]
 
 
 def _extremes(sweep: Sweep) -> Sweep:

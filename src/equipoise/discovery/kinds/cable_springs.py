@@ -127,12 +127,22 @@ class CableSprings(LineKind):
                         ratio * (lines.longest - lines.shortest) > extension
                     ),
                     self.astray: side == 0,
+                    "another body in the way of its coil": self._meets(scene, lines, way),
                 }
                 kept = scene.sift(len(lines), {**reasons, **keep})
                 choices.append((np.flatnonzero(kept), way, side, ratio))
             if any(len(kept) for kept, *_ in choices):
                 found.append(self._carried(scene, Seated.of(lines, choices)))
         return found
+
+    @property
+    def slim(self) -> float:
+        """Half the width, m, that a coil has at least where it lies; what its bundle needs the limit `avoid` knows."""
+        return 0.0 if self.make is None else self.make.width / 2
+
+    def _meets(self, scene: Scene, lines: Lines, way: Way) -> Array:
+        """Whether coils (C,) from guides along ways meet another body, where bodies are avoided."""
+        return scene.meets(lines.bodies[0], lines.a, lines.a + way[0][:, None] * way[1], self.slim)
 
     def inside(self, room: Any) -> Any:
         """What a spring has, m, of rooms (C,) or one."""
@@ -168,6 +178,9 @@ class CableSprings(LineKind):
         housing = (self.rooms or {}).get(group.body)
         given = self.room if housing is None else housing
         straight = outwards(group, lines.a, given)
+        if housing is not None:
+            # A housing stands as well beyond the end of its link as along it: where it is in the way, beyond.
+            straight = straight[0], np.where(self._meets(scene, lines, straight)[:, None], -straight[1], straight[1])
         if not self.radius:
             return [(straight, np.ones(len(lines)))]
         flat = scene.ground.normal(*lines.bodies)

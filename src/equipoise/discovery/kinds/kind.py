@@ -32,7 +32,7 @@ class Scene:
     """What columns are computed over: the ground, states of one payload scenario, the rows that count, filters.
 
     keep says which candidates may stay, by what they were refused, from places (C, 3) on both bodies of a pair (and
-    the gap, m, that their lines need to bodies);
+    the gap, m, that their lines need to bodies); meets whether coils on a body, from a to b (C, 3), run into another;
     refused counts the others by reason.
     """
 
@@ -43,6 +43,7 @@ class Scene:
     joints: tuple[str, ...]
     bodies: tuple[Spots, ...]
     keep: Callable[..., Mapping[str, NDArray[np.bool_]]]
+    meets: Callable[[str, Array, Array, float], NDArray[np.bool_]]
     refused: Counter[str] = field(default_factory=Counter)
 
     def weights(self, body: str) -> Array:
