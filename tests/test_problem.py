@@ -16,7 +16,7 @@ import equipoise as eq
 from equipoise.errors import EquipoiseError, ProblemError
 from equipoise.problem import load_problem, problem_of, schema
 from equipoise.tags import BALANCERS, LAWS, LIMITS, MECHANISMS, SWEEPS
-from equipoise.units import to_si
+from equipoise.units import COMMON, to_si
 from equipoise.yamlfile import parse_yaml
 
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.yaml"))
@@ -132,6 +132,17 @@ def test_the_schema_accepts_the_examples_and_refuses_what_the_reader_refuses(pat
         assert list(validator.iter_errors({**data, **fault}))
 
 
+@pytest.mark.parametrize(("unit", "name"), [(unit, name) for unit, names in COMMON.items() for name in names])
+def test_common_units_are_those_of_the_registry(unit, name, monkeypatch):
+    for options in (unit, f"N m or {unit}" if unit in ("rad", "m") else f"{unit} or rad" if unit else unit):
+        ours = to_si(f"-1.7e2 {name}", options)
+        with monkeypatch.context() as patched:
+            patched.setattr("equipoise.units.COMMON", {})
+            theirs = to_si(f"-1.7e2 {name}", options)
+        assert ours == pytest.approx(theirs, rel=4e-16)
+        assert getattr(ours, "unit", None) == getattr(theirs, "unit", None)
+
+
 def test_the_schema_holds_every_tag_and_says_the_units():
     whole = schema()
     jsonschema.Draft202012Validator.check_schema(whole)
@@ -149,15 +160,15 @@ class Cubic(eq.Linear):
 
 
 def test_a_class_joins_by_being_listed(monkeypatch):
-    from equipoise import problem
+    from equipoise import forms
 
     monkeypatch.setitem(LAWS, "cubic", Cubic)
-    problem._adapter.cache_clear()
+    forms.adapter.cache_clear()
     try:
         assert spring("{cubic: {cubic: 3}}").law == Cubic(cubic=3.0)
     finally:
         monkeypatch.undo()
-        problem._adapter.cache_clear()
+        forms.adapter.cache_clear()
 
 
 BASE = EXAMPLES[-1].read_text(encoding="utf-8")

@@ -10,6 +10,7 @@ import functools
 import inspect
 import typing
 from collections.abc import Callable, Mapping
+from contextvars import ContextVar
 from dataclasses import dataclass, field, is_dataclass
 from typing import Annotated, Any
 
@@ -165,6 +166,36 @@ class Form:
 
 _open: list[str] = []
 """Families whose schemas are being written."""
+_whole = ContextVar("_whole", default=False)
+"""Whether families are written with all their members; else each member when a file first has it."""
+
+
+@functools.cache
+def adapter(form: Form) -> Any:
+    """What reads a form."""
+    from pydantic import TypeAdapter
+
+    return TypeAdapter(Annotated[Any, form])
+
+
+def whole(form: Form) -> Any:
+    """What reads a form, with everything that may stand in it written out."""
+    from pydantic import TypeAdapter
+
+    before = _whole.set(True)
+    try:
+        return TypeAdapter(Annotated[Any, form])
+    finally:
+        _whole.reset(before)
+
+
+def _member(form: Form, handler: Any) -> core_schema.CoreSchema:
+    """A member's schema: to write that of all there are takes longer than to read a file."""
+    if _whole.get():
+        return handler.generate_schema(Annotated[Any, form])
+    return core_schema.with_info_plain_validator_function(
+        lambda value, info: adapter(form).validate_python(value, context=info.context)
+    )
 
 
 @dataclass(frozen=True)
@@ -193,9 +224,7 @@ class Family:
 
     def _schema(self, handler: Any) -> core_schema.CoreSchema:
         fields = {
-            tag: core_schema.typed_dict_field(
-                handler.generate_schema(Annotated[Any, Form(item, self.later)]), required=False
-            )
+            tag: core_schema.typed_dict_field(_member(Form(item, self.later), handler), required=False)
             for tag, item in self.members().items()
         }
         inner = core_schema.typed_dict_schema(fields, extra_behavior="forbid")

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from equipoise.balancers.spring import Spring
 from equipoise.cases import Case, by_payload
 from equipoise.errors import EquipoiseError, InputError, ProblemError, nearest
-from equipoise.forms import Form, Later, Reading
+from equipoise.forms import Form, Later, Reading, adapter, whole
 from equipoise.mechanism import Mechanism
 from equipoise.objective import Aim, as_objective
 from equipoise.places import REMEDY, problem_error, where
@@ -267,7 +267,7 @@ def problem_of(document: Document, folder: Path) -> Problem:
         raise ProblemError("the file is not a list of fields", where=document.name, hint="write `name: value` lines")
     reading = Reading(folder=str(folder))
     try:
-        content = _adapter().validate_python(document.data, context=reading)
+        content = adapter(Form(ProblemFile)).validate_python(document.data, context=reading)
     except ValidationError as error:
         raise problem_error(error.errors(include_url=False), document, reading) from None
     return Problem(document, folder, content, reading)
@@ -277,11 +277,4 @@ def schema() -> dict[str, Any]:
     """JSON Schema (draft 2020-12) of the whole problem file."""
     from equipoise.schema import json_schema
 
-    return json_schema(_adapter())
-
-
-@functools.cache
-def _adapter() -> Any:
-    from pydantic import TypeAdapter
-
-    return TypeAdapter(Annotated[Any, Form(ProblemFile)])
+    return json_schema(whole(Form(ProblemFile)))

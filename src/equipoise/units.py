@@ -68,6 +68,21 @@ _SHARE = re.compile(r"[-+]?\d{1,9}\s*/\s*0*[1-9]\d{0,8}")
 _NM = re.compile(r"\bNm\b|(?<=\d)Nm\b")
 
 
+COMMON = {
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254},
+    "rad": {"rad": 1.0, "deg": math.pi / 180},
+    "kg": {"kg": 1.0, "g": 1e-3, "lb": 0.45359237},
+    "N": {"N": 1.0, "kN": 1e3},
+    "N m": {"N m": 1.0, "Nm": 1.0},
+    "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3},
+    "J": {"J": 1.0},
+    "s": {"s": 1.0, "ms": 1e-3},
+    "": {"%": 1e-2},
+}
+"""Factors of what most files say: to read these takes no registry, whose start takes longer than most commands."""
+_PLAIN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*)")
+
+
 @functools.cache
 def _registry() -> Any:
     import pint
@@ -105,6 +120,11 @@ def _parse(text: str, unit: str, where: str) -> float:
         return float(above) / float(below)
     if len(text) > 64 or not _QUANTITY.fullmatch(text.strip()):
         raise unreadable
+    plain = _PLAIN.fullmatch(text.strip())
+    for option in options if plain else ():
+        if plain[2] in COMMON.get(option, {}):
+            number = float(plain[1]) * COMMON[option][plain[2]]
+            return number if len(options) == 1 else Measured(number, option)
     try:
         # Pint takes Nm for a count of yarn.
         quantity = _registry().Quantity(_NM.sub("N m", text))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -112,27 +113,33 @@ class Dictionary:
         return Compressed(columns, load, constant, lost, basis.T * root)
 
     def _range(self, root: Array, norms: Array) -> tuple[Array, Array, float]:
-        rng, count = np.random.default_rng(0), FIRST
-        size = np.maximum(norms, 1e-300)
-        while True:
-            mixed = np.zeros((len(root), min(count, len(self))))
-            for first, batch in zip(self.starts, self.batches, strict=True):
-                part = slice(first, first + len(batch))
-                scale = (self.upper / size)[part, None]
-                random = rng.standard_normal((len(batch), mixed.shape[1])) if count < len(self) else None
-                if random is None:
-                    mixed[:, part] = root[:, None] * batch.times(np.diagflat(scale))
-                else:
-                    mixed += root[:, None] * batch.times(scale * random)
-            left, values, _ = np.linalg.svd(mixed, full_matrices=False)
-            basis = left[:, values > ROUNDING * values[0]]
-            turned = (basis * root[:, None]).T
-            columns = np.hstack([batch.under(turned) for batch in self.batches]) * self.upper
+        """An orthonormal basis (rows, r) of all columns, the columns (r, C) in it, and the largest share outside."""
+        rng, size = np.random.default_rng(0), np.maximum(norms, 1e-300)
+        most = min(len(self), len(root))
+        basis, columns, largest = np.zeros((len(root), 0)), np.zeros((0, len(self))), 0.0
+        for count in _doubling(FIRST, most):
+            fresh = self._mixed(root, size, None if count == most else rng.standard_normal, count - basis.shape[1])
+            for _ in range(2):  # once leaves rounding errors of what is taken out
+                fresh -= basis @ (basis.T @ fresh)
+            left, values, _ = np.linalg.svd(fresh, full_matrices=False)
+            largest = max(largest, values.max(initial=0.0))
+            left = left[:, values > ROUNDING * largest]
+            turned = (left * root[:, None]).T
+            basis = np.hstack([basis, left])
+            columns = np.vstack([columns, np.hstack([batch.under(turned) for batch in self.batches]) * self.upper])
             kept = np.einsum("rc,rc->c", columns / size, columns / size)
             lost = float(np.sqrt(np.maximum(1.0 - kept, 0.0))[norms > 0].max(initial=0.0))
-            if lost <= ACCURACY or count >= min(len(self), len(root)):
-                return basis, columns, lost
-            count *= 2
+            if lost <= ACCURACY:
+                break
+        return basis, columns, lost
+
+    def _mixed(self, root: Array, size: Array, draw: Callable[..., Array] | None, count: int) -> Array:
+        """So many random combinations (rows, count) of columns of equal size; all columns where none are drawn."""
+        found = []
+        for first, batch in zip(self.starts, self.batches, strict=True):
+            scale = (self.upper / size)[first : first + len(batch), None]
+            found.append(batch.times(np.diagflat(scale) if draw is None else scale * draw((len(batch), count))))
+        return root[:, None] * (np.hstack(found) if draw is None else np.sum(found, axis=0))
 
     @staticmethod
     def _norms(batch: Batch, root: Array) -> Array:
@@ -141,3 +148,11 @@ class Dictionary:
             return np.sqrt(np.einsum("rc,rc->c", weighted, weighted))
         small = np.linalg.qr(weighted, mode="r") @ batch.coefficients
         return np.sqrt(np.einsum("rc,rc->c", small, small))
+
+
+def _doubling(first: int, last: int) -> Iterator[int]:
+    """first, twice as many, and so on; the last is all there is."""
+    while first < last:
+        yield first
+        first *= 2
+    yield last

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-import clarabel
 import numpy as np
-from scipy import sparse
 
 from equipoise.affine import Array, Indices
 from equipoise.solve.answer import Answer, Working, spread
@@ -190,6 +188,9 @@ def _upper(k: int) -> tuple[Indices, Indices]:
 
 
 def _clarabel(cost: Array, cones: tuple[_Cone, ...], sizes: list[int], orders: list[int]) -> Any:
+    import clarabel
+    from scipy import sparse
+
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-10

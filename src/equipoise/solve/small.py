@@ -39,8 +39,8 @@ def elastic(H: Array, q: Array, A: Array, e: Array, low: Array, high: Array, pri
         # A matrix that is singular to rounding has no step: the point before it is the answer.
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             moved, left = _step(*data, *point)
-        sound = np.all([np.isfinite(part).all(axis=0) for part in moved], axis=0)
-        point = [np.where(sound, new, old) for new, old in zip(moved, point, strict=True)]
+            sound = np.isfinite(sum(part.sum(axis=0) for part in moved))
+        point = moved if sound.all() else [np.where(sound, new, old) for new, old in zip(moved, point, strict=True)]
         answer[:, active], multipliers[:, active] = point[0], point[2][:m]
         going = sound & (left > PRECISION)
         if not going.any():
