@@ -56,12 +56,13 @@ def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:
     best = min(sized, key=lambda one: one.value + PRICE * refiner.bare * one.excess)
     short: InfeasibleError | None = None
     for _ in range(ROUNDS):
-        # Hooks that moved have other poses at which their springs are shortest and longest.
+        # Elsewhere than before springs are longest at other poses, and round ones have nothing to spare.
         refiner = refiner.with_extremes(best.parts)
+        best = refiner.refine(best.parts)
         try:
             return refiner.refine(_each(refiner, best, partial(_ordered, make)))
         except InfeasibleError as error:
-            short, best = error, refiner.refine(best.parts)
+            short = error
     assert short is not None
     raise short
 
