@@ -65,7 +65,12 @@ class Contest:
     def lose(self, contender: Contender, reason: str) -> None:
         """Tell what a contender reaches over the whole sweep, and why it lost all the same."""
         refined = contender.refined
-        value, excess = self._whole(refined.parts)
+        try:
+            value, excess = self._whole(refined.parts)
+        except EquipoiseError as error:
+            # A cable that no pulley can lead at some pose of the sweep has no value there.
+            value, excess = refined.value, refined.excess
+            reason += f"; over all poses {error.message}"
         if excess > EXCESS >= refined.excess:
             reason += f"; over all poses it breaks a limit by {100 * excess:.2g} %"
         self.lost.append(Alternative(len(refined.parts.balancers), contender.places, value, reason))

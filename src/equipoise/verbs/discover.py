@@ -14,8 +14,8 @@ from equipoise.discovery.growing import Found, grow
 from equipoise.discovery.refine import Refiner
 from equipoise.discovery.request import Discover
 from equipoise.discovery.stage import Tell, untold
-from equipoise.discovery.subsets import Search
-from equipoise.errors import InfeasibleError, InputError
+from equipoise.discovery.subsets import Ranked, Search
+from equipoise.errors import EquipoiseError, InfeasibleError, InputError
 from equipoise.interference import shell
 from equipoise.interference.findings import clashes
 from equipoise.limits import Limit
@@ -83,7 +83,7 @@ def discover(
                 found.notes.append(f"the floor is reached with {len(found.designs[-1].balancers)}: no more were tried")
                 break
             if count in ranked:
-                grow(found, collection, ranked[count], count, sweep, aim)
+                _grow(found, collection, ranked[count], count, sweep, aim)
             if progress:
                 progress(count, request.springs, found.values[-1] if found.values else float("nan"))
     except KeyboardInterrupt:
@@ -117,6 +117,16 @@ def discover(
         stopped=found.stopped,
         values=tuple(found.values),
     )
+
+
+def _grow(found: Found, collection: Collection, ranked: Ranked, count: int, sweep: Sweep, aim: Aim) -> None:
+    """As `grow`, but what is finished is not lost to a number of parts that fails."""
+    try:
+        grow(found, collection, ranked, count, sweep, aim)
+    except EquipoiseError as error:
+        if not found.designs:
+            raise
+        found.notes.append(f"with {count}: no design, {error.message}")
 
 
 def _mixed(collection: Collection, aim: Aim) -> list[str]:
