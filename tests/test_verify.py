@@ -14,10 +14,12 @@ from hypothesis import strategies as st
 
 import equipoise as eq
 from equipoise.errors import DisagreementError, ModelError
+from equipoise.reporting import phrases
 from equipoise.verbs.analyze import table
 from equipoise.verbs.verify import insist, verify
 from equipoise.verification.continuum import bounds
 from equipoise.verification.energy import energy_errors
+from equipoise.verification.findings import Bound
 from equipoise.verification.saved import save
 from equipoise.verification.waves import Axes, corner_values, point_values
 
@@ -362,3 +364,16 @@ def test_a_coil_behind_a_cable_is_bounded_with_its_own_weight(carrier, law):
         assert bound.rigorous
         assert bound.complete
         assert max(most, bound.polished) * (1 - 1e-12) <= bound.upper <= 1.01 * most
+
+
+def test_an_estimate_that_was_cut_short_far_above_what_was_met_is_no_bound():
+    sure = {"unit": "N m", "method": "", "rigorous": False, "cells": 9}
+    assert Bound(1.0, 1.1, 3.0, complete=False, **sure).vague
+    assert not Bound(1.0, 1.1, 1.15, complete=False, **sure).vague
+    assert not Bound(1.0, 1.1, 3.0, complete=True, **sure).vague
+    assert not Bound(1.0, 1.1, 3.0, complete=False, **sure | {"rigorous": True}).vague
+    design = eq.balance(arm(), [], eq.Sweep.sobol(arm(), 16))
+    found = verify(design, poses=50).verification
+    vague = replace(found, bounds={"a_joint": Bound(1.0, 1.1, 3.0, complete=False, **sure)})
+    told = phrases.between_words(replace(design, verification=vague), "a_joint")
+    assert told == "between the samples 1.1 N m was met at a_joint, which is no bound"

@@ -168,6 +168,8 @@ def between_words(design: Design, joint: str) -> str:
     bound = design.verification.bounds.get(joint) if design.verification else None
     if bound is None or not isfinite(bound.upper):
         return ""
+    if bound.vague:
+        return f"between the samples {sig(bound.polished)} {bound.unit} was met at {joint}, which is no bound"
     sure = "at most" if bound.rigorous else "estimated at most"
     return f"between the samples {sure} {sig(bound.upper)} {bound.unit} at {joint}"
 

@@ -69,7 +69,8 @@ def _checked(design: Design, joint: str) -> list[tuple[str, str, str]]:
     bound = found.bounds.get(joint)
     if bound is not None and math.isfinite(bound.upper):
         kind = "no pose between the samples exceeds it" if bound.rigorous else "estimated maximum between the samples"
-        boxes.append((f"{sig(bound.upper)} {bound.unit}", f"{kind} ({joint})", ""))
+        kind = "largest met between the samples, no bound" if bound.vague else kind
+        boxes.append((f"{sig(bound.polished if bound.vague else bound.upper)} {bound.unit}", f"{kind} ({joint})", ""))
     return boxes
 
 

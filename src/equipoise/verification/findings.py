@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 
+LOOSE = 1.1
+"""Multiple of the largest value met above which an estimate that was cut short says nothing."""
+
 
 @dataclass(frozen=True)
 class JointError:
@@ -71,6 +74,11 @@ class Bound:
     def gap(self) -> float:
         """upper - polished."""
         return self.upper - self.polished
+
+    @property
+    def vague(self) -> bool:
+        """Whether an estimate was cut short so far above what was met that it says nothing."""
+        return not self.rigorous and not self.complete and self.upper > LOOSE * self.polished
 
     def json(self) -> dict[str, Any]:
         """The bound as design.json holds it; an upper value that is not there is null."""
