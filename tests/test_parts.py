@@ -73,6 +73,29 @@ def test_machinecalcs_hook_factors():
     assert coil.wahl(8.0) * plain == pytest.approx(301.5, abs=0.1)
 
 
+def test_stress_by_either_factor_is_told_of_a_part():
+    """w = 8: Wahl's factor 1.1840, Bergstraesser's 1.1724; fatigue takes either; a torsion spring has its own."""
+    lengths = np.array([0.12, 0.15])
+    pulled = eq.ExtensionSpring(2 * MM, 16 * MM, 30)
+    shear = coil.shear_stress(pulled.force_of_one(lengths), 2 * MM, 16 * MM)
+    assert pulled.stress(lengths, "wahl") == pytest.approx((31 / 28 + 0.615 / 8) * shear)
+    assert pulled.stress(lengths, "bergstraesser") == pytest.approx(8.5 / 7.25 * shear)
+    told = pulled.record(lengths)["stress"]
+    assert told["wahl"] / told["plain"] == pytest.approx(1.1840, abs=1e-4)
+    assert told["bergstraesser"] / told["plain"] == pytest.approx(1.1724, abs=1e-4)
+    assert pulled.fatigue(lengths, correction="bergstraesser") > pulled.fatigue(lengths)
+    pressed = eq.CompressionSpring(2 * MM, 16 * MM, 10, free_length=0.06)
+    assert pressed.stress(np.array([0.05]), "wahl") == pytest.approx(
+        (31 / 28 + 0.615 / 8) * coil.shear_stress(0.01 * pressed.k, 2 * MM, 16 * MM)
+    )
+    turned = eq.TorsionSpring(2 * MM, 16 * MM, 5)
+    assert turned.record(np.array([0.0, 0.5]))["stress"]["curvature"] == pytest.approx(
+        8.07 / 7.25 * torsion.bending_stress(0.5 * turned.k, 2 * MM)
+    )
+    with pytest.raises(InputError, match="no correction 'whal'"):
+        pulled.stress(lengths, "whal")
+
+
 def test_metoolbox_torsion_spring():
     """HelicalToresionSpring_example.ipynb: 4.66 coils for 525.11 N mm/rad (factor 10.8), safety 1.00 at 851.27 N mm."""
     d, diameter = 1.829 * MM, 13.252 * MM

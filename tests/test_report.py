@@ -17,6 +17,7 @@ from equipoise.reporting import layout, limitwords, numbers, phrases, words
 from equipoise.reporting.html import page
 from equipoise.reporting.jsonfile import strict
 from equipoise.reporting.maps import draw_map
+from equipoise.reporting.ordering import mounting
 from equipoise.reporting.pathwords import path_words
 from equipoise.reporting.references import entries, reference
 from equipoise.reporting.sample import Sample
@@ -258,3 +259,16 @@ def test_a_cable_reads_as_it_is_rigged():
     )
     assert "ratio 0.4" in path_words(eq.Cable(through, 0.4))
     assert "ratio 2" in path_words(eq.Cable(through, 2.0))
+
+
+def test_a_spring_is_mounted_at_joints_that_move_it():
+    """A joint that turns the spring as a whole says nothing of where it is easiest to hook in."""
+    links = [eq.Link("turret", length=0.2, mass=1.0, axis=(0, 0, 1)), eq.Link("arm", length=0.5, mass=3.0)]
+    machine = eq.chain(links)
+    path = eq.Line(machine.at("turret", 0.0, 0.0, 0.2), machine.at("arm", 0.2))
+    spring = eq.Spring("s1", path, eq.ZeroFreeLength())
+    design = eq.balance(machine, [spring], eq.Sweep.sobol(machine, 32))
+    pull, where = mounting(design, design.balancers[0])
+    assert pull.endswith(" N")
+    assert "arm_joint" in where
+    assert "turret_joint" not in where

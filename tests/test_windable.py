@@ -206,3 +206,18 @@ def test_the_command_line_asks_for_wound_springs(tmp_path):
     )
     asked_for = asked(target_of(str(file)), None, None, None, None, "SM").content.discover
     assert asked_for.make == eq.Makeable(grade="SM", width=0.05, index=(5.0, 10.0), mass=3.0)
+
+
+def test_a_spring_is_rounded_where_its_hooks_have_moved_to():
+    """Hooks refined around a round size have other poses at which the spring is longest; those count as well."""
+    arm = eq.Mechanism.load("package://example-robot-data/robots/so_arm_description/urdf/so101.urdf")
+    kind = eq.CableSprings(radius=0.005, guide="swivel", rooms={"shoulder_link": 0.15}, fittings=0.015)
+    make = eq.Makeable(width=0.016, parallel=2)
+    pairs = (("shoulder_link", "lower_arm_link"),)
+    request = eq.Discover(1, kinds=(kind,), pairs=pairs, candidates=600, contenders=1, make=make)
+    front = eq.discover(arm, eq.Sweep.sobol(arm, 48, seed=1), request)
+    (spring,) = front.designs[0].balancers
+    length = spring.path.deform(arm.states(eq.Sweep.sobol(arm, 4096, seed=7)))[0]
+    assert spring.law.span[0] - 1e-4 <= length.min()
+    assert length.max() <= spring.law.span[1] + 1e-4
+    assert front.values[0] < 0.7 * front.before

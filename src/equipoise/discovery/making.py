@@ -12,6 +12,7 @@ from equipoise.affine import Array
 from equipoise.balancers.paths import Cable
 from equipoise.balancers.spring import Spring
 from equipoise.discovery.refine import Parts, Refined, Refiner
+from equipoise.errors import InfeasibleError
 from equipoise.limits import Elongation, Length, Limit
 from equipoise.parts import ExtensionSpring, WindableSpring
 from equipoise.parts.makeable import Makeable
@@ -24,6 +25,8 @@ PLAY = 0.25
 """Share of a spring's closed length by which its cable may still be cut longer or shorter."""
 SPAN = 5.0
 """Factor by which a rate may move up or down."""
+ROUNDS = 4
+"""How often springs of round sizes are refined over the poses at which they are then shortest and longest."""
 PRICE = 30.0
 """What a limit that is not kept costs, per unit of relative excess, in units of the bare load."""
 
@@ -51,8 +54,17 @@ def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:
         choices = choices[:1]
     sized = [refiner.refine(choice) for choice in choices]
     best = min(sized, key=lambda one: one.value + PRICE * refiner.bare * one.excess)
-    refiner = refiner.with_extremes(best.parts)
-    return refiner.refine(_each(refiner, best, partial(_ordered, make)))
+    short: InfeasibleError | None = None
+    for _ in range(ROUNDS):
+        # Elsewhere than before springs are longest at other poses, and round ones have nothing to spare.
+        refiner = refiner.with_extremes(best.parts)
+        best = refiner.refine(best.parts)
+        try:
+            return refiner.refine(_each(refiner, best, partial(_ordered, make)))
+        except InfeasibleError as error:
+            short = error
+    assert short is not None
+    raise short
 
 
 def unweighed(refined: Refined) -> Parts:

@@ -18,7 +18,7 @@ from equipoise.parts import Part
 from equipoise.reporting import limitwords, phrases
 from equipoise.reporting.alternatives import meaning, reached_words
 from equipoise.reporting.layout import blank_repeats, labelled, table, wrapped
-from equipoise.reporting.numbers import percent, plain, quantity, shown, sig
+from equipoise.reporting.numbers import headed, percent, plain, quantity, shown, sig
 from equipoise.reporting.tolerance import tolerance_words
 from equipoise.reporting.words import part_lines
 
@@ -62,7 +62,7 @@ def summary(front: Discovery, out: Path | None = None) -> str:
 
 def front_table(front: Discovery) -> list[str]:
     """One line per number of parts: what is added, what is left of the objective, and what holds it there."""
-    unit = shown(0.0, front.unit)[1]
+    unit = headed(front.unit)
     known = bool(front.highs)
     band = [f"95 % [{unit}]"] if known else []
     head = ["mass added", f"{front.aim.norm} [{unit}]", "of before", *band, "limited by"]

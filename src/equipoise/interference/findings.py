@@ -57,7 +57,8 @@ def clashes(design: Design, radius: float | None = None) -> tuple[Clash, ...]:
             passes |= {joint: None for joint, crossed in over.items() if crossed[0]}
         if isinstance(spring, Spring) and (lying := coil(spring, states.mechanism)) is not None:
             for body, clear in beside(states, lying, radius):
-                left, name = clear - half_width(spring.law), f"{body} with its coil"
+                left: Array = clear - half_width(spring.law)
+                name = f"{body} with its coil"
                 room[name] = np.minimum(room.get(name, left), left)
         room |= _others(design, states, spring)
         into = [Clash(spring.name, body, float(-r.min()), float((r < 0).mean())) for body, r in room.items()]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -37,6 +37,11 @@ def bending_correction(index: Any) -> Any:
     return (index + 0.07) / (index - 0.75)
 
 
+CORRECTIONS = {"wahl": wahl, "bergstraesser": bergstraesser}
+"""Factors of a coil's shear stress by what they are called."""
+Correction = Literal["wahl", "bergstraesser"]
+
+
 def wire_mass(wire: Any, diameter: Any, total_coils: Any, density: Any) -> Any:
     """m = rho pi^2 d^2 D n_t / 4, kg [caruso_en_springs]."""
     return density * np.pi**2 * wire**2 * diameter * total_coils / 4
@@ -53,7 +58,7 @@ def fatigue_safety(least: Any, largest: Any, strength: Any, *, peened: bool = Fa
         ta = (t2 - t1)/2,   tm = (t2 + t1)/2,   Sse = Ssa / (1 - Ssm / Ssu),   Ssu = .67 Rm
 
     Zimmerli's point: Ssa 241 MPa at Ssm 379 MPa, shot-peened 398 at 534, for steel wire below 10 mm; the stresses
-    are those with Wahl's correction, strength Rm in Pa [machinecalcs].
+    are those with Wahl's correction, or Bergstraesser's, strength Rm in Pa [machinecalcs].
     """
     amplitude, mean = (398e6, 534e6) if peened else (241e6, 379e6)
     ultimate = 0.67 * strength

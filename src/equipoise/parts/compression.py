@@ -10,6 +10,7 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.parts import coil
+from equipoise.parts.coil import Correction
 from equipoise.parts.helical import Helical, first_of
 from equipoise.parts.part import Clause, Fault
 from equipoise.parts.wire import MM
@@ -135,10 +136,13 @@ class CompressionSpring(Helical):
         if np.isfinite(buckles):
             yield Clause("deflection before buckling", deflection, buckles, "m", "caruso_en_springs")
 
-    def fatigue(self, length: Array, *, peened: bool = False) -> float:
+    def plain_stress(self, length: Array) -> Array:
+        """tau of the coil."""
+        return coil.shear_stress(self.k / self.number * (self.rest - length), self.wire, self.diameter)
+
+    def fatigue(self, length: Array, *, peened: bool = False, correction: Correction = "wahl") -> float:
         """Safety against fatigue between the lengths (N,) [machinecalcs]."""
-        force = self.k / self.number * (self.rest - length)
-        stress = coil.wahl(self.index) * coil.shear_stress(force, self.wire, self.diameter)
+        stress = self.stress(length, correction)
         return float(coil.fatigue_safety(stress.min(), stress.max(), self.strength, peened=peened))
 
     @property

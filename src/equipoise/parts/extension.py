@@ -10,6 +10,7 @@ import numpy as np
 
 from equipoise.affine import Array
 from equipoise.parts import coil
+from equipoise.parts.coil import Correction
 from equipoise.parts.helical import Helical, first_of
 from equipoise.parts.part import Clause, Fault
 from equipoise.parts.wire import MM, UNSOURCED
@@ -159,9 +160,13 @@ class ExtensionSpring(Helical):
         if self.initial_tension > 0:
             yield Clause("initial tension", float(self.initial_tension), most, "N", UNSOURCED)
 
-    def fatigue(self, length: Array, *, peened: bool = False) -> float:
+    def plain_stress(self, length: Array) -> Array:
+        """tau of the body."""
+        return coil.shear_stress(self.force_of_one(length), self.wire, self.diameter)
+
+    def fatigue(self, length: Array, *, peened: bool = False, correction: Correction = "wahl") -> float:
         """Safety of the body against fatigue between the lengths (N,); loops are not covered [machinecalcs]."""
-        stress = coil.wahl(self.index) * coil.shear_stress(self.force_of_one(length), self.wire, self.diameter)
+        stress = self.stress(length, correction)
         return float(coil.fatigue_safety(stress.min(), stress.max(), self.strength, peened=peened))
 
     @property

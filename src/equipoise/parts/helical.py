@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
+from equipoise.affine import Array
+from equipoise.errors import InputError, nearest
 from equipoise.parts import coil
 from equipoise.parts.part import Fault, StraightPart
 from equipoise.parts.wire import MM, Grade, grade
@@ -31,6 +34,7 @@ class Helical(StraightPart):
     coils: Number
     grade: str = "EN 10270-1 SH"
     standard: ClassVar[str] = ""
+    corrections: ClassVar[Mapping[str, Callable[[Any], Any]]] = coil.CORRECTIONS
 
     @property
     def material(self) -> Grade:
@@ -66,6 +70,27 @@ class Helical(StraightPart):
     def unsourced(self) -> tuple[str, ...]:
         """The grade, where its numbers have no opened source."""
         return (f"the data of {self.material.name}",) if self.material.unsourced else ()
+
+    @abstractmethod
+    def plain_stress(self, length: Array) -> Array:
+        """Shear, or bending, stress of the wire (N,), Pa, at lengths (N,), m, or angles, without correction."""
+
+    def stress(self, length: Array, correction: str) -> Array:
+        """The same times k(w), the factor for the wire's curvature: `wahl` or `bergstraesser`, of torsion springs
+        `curvature`.
+
+        Raises InputError for a factor that the spring has not.
+        """
+        if correction not in self.corrections:
+            hint = nearest(correction, list(self.corrections))
+            raise InputError(f"there is no correction {correction!r}", where="stress", hint=hint)
+        return self.corrections[correction](self.index) * self.plain_stress(length)
+
+    def record(self, length: Array) -> dict[str, Any]:
+        """With the largest stress of the wire, Pa, plain and by each factor for its curvature."""
+        plain = float(np.abs(self.plain_stress(length)).max())
+        found = {name: float(factor(self.index)) * plain for name, factor in self.corrections.items()}
+        return super().record(length) | {"stress": {"plain": plain, **found}}
 
     def faults(self) -> Iterator[Fault]:
         """What no winder or standard covers."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from equipoise.affine import Array
+from equipoise.parts import coil
 from equipoise.parts.helical import Helical
 from equipoise.parts.part import Clause
 from equipoise.parts.wire import UNSOURCED
@@ -49,6 +50,7 @@ class TorsionSpring(Helical):
     along: ClassVar[tuple[str, ...]] = ("rad",)
     kind: ClassVar[str] = "torsion spring"
     standard: ClassVar[str] = "EN 13906-3"
+    corrections: ClassVar[Mapping[str, Callable[[Any], Any]]] = {"curvature": coil.bending_correction}
     sources: ClassVar[tuple[str, ...]] = ("fossee_bhandari", "acxess_torsion")
 
     @property
@@ -67,12 +69,14 @@ class TorsionSpring(Helical):
         reach = self.largest_torque / self.k
         return (self.rest, self.rest + reach) if self.winds == "up" else (self.rest - reach, self.rest)
 
+    def plain_stress(self, length: Array) -> Array:
+        """sigma of the wire."""
+        return bending_stress(np.abs(self.k * (length - self.rest)) / self.number, self.wire)
+
     def clauses(self, length: Array) -> Iterator[Clause]:
         """Bending at the angle (N,) farthest from rest."""
-        torque = float(np.abs(self.k * (length - self.rest)).max() / self.number)
-        yield Clause(
-            "bending", float(bending_stress(torque, self.wire)), BENDING * float(self.strength), "Pa", UNSOURCED
-        )
+        stress = float(self.plain_stress(length).max())
+        yield Clause("bending", stress, BENDING * float(self.strength), "Pa", UNSOURCED)
 
     @property
     def unsourced(self) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -198,7 +198,7 @@ def _peak(entry: Entry) -> float:
     return 0.0 if entry.facts is None else entry.facts.peak
 
 
-def _fewer(low: float, high: float) -> object:
+def _fewer(low: float, high: float) -> Any:
     """Ticks of narrow panels, deg."""
     from matplotlib.ticker import MaxNLocator, MultipleLocator
 

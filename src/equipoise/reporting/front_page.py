@@ -18,7 +18,7 @@ from equipoise.reporting.drawing import drawing
 from equipoise.reporting.friction import friction_words
 from equipoise.reporting.html import document
 from equipoise.reporting.markup import Raw, element, image, join, prose, section, table
-from equipoise.reporting.numbers import quantity, shown, sig
+from equipoise.reporting.numbers import headed, quantity, shown, sig
 from equipoise.reporting.ordering import broken, mounting
 from equipoise.reporting.sample import Sample
 from equipoise.reporting.tolerance import tolerance_words
@@ -143,7 +143,7 @@ def _points(front: Discovery) -> list[tuple[int, float]]:
 
 
 def _table(front: Discovery) -> Raw:
-    unit = shown(0.0, front.unit)[1]
+    unit = headed(front.unit)
     rows = [["0", words.number(front, front.before), "100 %", "", "", "", "", ""]]
     for index, (design, value) in enumerate(zip(front.designs, front.values, strict=True)):
         made = design.parts()

@@ -58,6 +58,11 @@ def shown(value: float, unit: str) -> tuple[float, str]:
     return factor * value, name
 
 
+def headed(unit: str) -> str:
+    """A unit as it stands over a column: `% of motor` for shares of the motor limit."""
+    return shown(0.0, unit)[1].replace("the motor limit", "motor")
+
+
 def quantity(value: float, unit: str, digits: int = 4) -> str:
     """A value with its unit, lengths in mm and angles in degrees."""
     number, name = shown(value, unit)

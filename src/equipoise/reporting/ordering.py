@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.balancers.spring import Spring
 from equipoise.design import Design
@@ -19,8 +20,8 @@ LEAD = (
     "The order line is what a maker or dealer needs. Used is the clause that is used most. A spring is hooked in at "
     "the pose where it pulls, or pushes, least."
 )
-
-
+UNMOVED = 1e-9
+"""Share of the largest slope of a spring's length below which a joint does not move it."""
 TRIED = (
     "Every candidate is optimised with the geometry that is free; the best are shaped with the design's own norm and "
     "limits, and the best of those stays."
@@ -57,7 +58,9 @@ def mounting(design: Design, spring: Spring) -> tuple[str, str]:
     length, force = spring.force(design.states, design.values)
     easiest = int(np.abs(force).argmin())
     pull = quantity(float(abs(force[easiest])), along_path("N or N m", spring.path.unit), 3)
-    return pull, f"{quantity(float(length[easiest]), spring.path.unit, 3)}, {_pose(design, easiest)}"
+    moved = np.abs(spring.path.deform(design.states)[1]).max(axis=0)
+    turns = moved > UNMOVED * moved.max()
+    return pull, f"{quantity(float(length[easiest]), spring.path.unit, 3)}, {_pose(design, easiest, turns)}"
 
 
 def _springs(design: Design) -> list[Spring]:
@@ -106,13 +109,13 @@ def broken(design: Design) -> Raw | str:
     return table(["peak if", *(f"{joint} [{design.before[joint].unit}]" for joint in matter)], rows, numbers=1)
 
 
-def _pose(design: Design, row: int) -> str:
-    """The pose of a state in words: the joints that vary."""
+def _pose(design: Design, row: int, turns: NDArray[np.bool_]) -> str:
+    """The pose of a state in words: of the joints (nd,) that turn, at most three that vary."""
     driven = design.states.driven
     units = {"N m": "rad", "N": "m"}
     said = [
         f"{joint} {quantity(float(driven[row, i]), units[design.mechanism.driven_units[i]], 3)}"
         for i, joint in enumerate(design.mechanism.driven)
-        if np.ptp(driven[:, i]) > 0
+        if turns[i] and np.ptp(driven[:, i]) > 0
     ]
     return ", ".join(said[:3])

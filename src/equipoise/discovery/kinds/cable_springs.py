@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from equipoise.affine import Array
 from equipoise.balancers.laws import Coil, Law
@@ -132,7 +133,7 @@ class CableSprings(LineKind):
                 kept = scene.sift(len(lines), {**reasons, **keep})
                 choices.append((np.flatnonzero(kept), way, side, ratio))
             if any(len(kept) for kept, *_ in choices):
-                found.append(self._carried(scene, Seated.of(lines, choices)))
+                found.append(self._carried(scene, Seated.seated(lines, choices)))
         return found
 
     @property
@@ -140,7 +141,7 @@ class CableSprings(LineKind):
         """Half the width, m, that a coil has at least where it lies; what its bundle needs the limit `avoid` knows."""
         return 0.0 if self.make is None else self.make.width / 2
 
-    def _meets(self, scene: Scene, lines: Lines, way: Way) -> Array:
+    def _meets(self, scene: Scene, lines: Lines, way: Way) -> NDArray[np.bool_]:
         """Whether coils (C,) from guides along ways meet another body, where bodies are avoided."""
         return scene.meets(lines.bodies[0], lines.a, lines.a + way[0][:, None] * way[1], self.slim)
 

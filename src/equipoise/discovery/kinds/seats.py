@@ -40,7 +40,7 @@ class Seated(Lines):
     ratio: Array
 
     @staticmethod
-    def of(lines: Lines, choices: list[tuple[Indices, Way, Array, Array]]) -> Seated:
+    def seated(lines: Lines, choices: list[tuple[Indices, Way, Array, Array]]) -> Seated:
         """Numbers of couples with the ways, sides and ratios of all couples, one after the other."""
         numbers = [kept for kept, *_ in choices]
         room, way, side, ratio = (
