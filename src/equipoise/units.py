@@ -121,9 +121,10 @@ def _parse(text: str, unit: str, where: str) -> float:
     if len(text) > 64 or not _QUANTITY.fullmatch(text.strip()):
         raise unreadable
     plain = _PLAIN.fullmatch(text.strip())
-    for option in options if plain else ():
-        if plain[2] in COMMON.get(option, {}):
-            number = float(plain[1]) * COMMON[option][plain[2]]
+    written, name = plain.groups() if plain else ("", "")
+    for option in options:
+        if name in COMMON.get(option, {}):
+            number = float(written) * COMMON[option][name]
             return number if len(options) == 1 else Measured(number, option)
     try:
         # Pint takes Nm for a count of yarn.

@@ -116,7 +116,8 @@ class Dictionary:
         """An orthonormal basis (rows, r) of all columns, the columns (r, C) in it, and the largest share outside."""
         rng, size = np.random.default_rng(0), np.maximum(norms, 1e-300)
         most = min(len(self), len(root))
-        basis, columns, largest = np.zeros((len(root), 0)), np.zeros((0, len(self))), 0.0
+        basis, columns = np.zeros((len(root), 0)), np.zeros((0, len(self)))
+        largest, lost = 0.0, 1.0
         for count in _doubling(FIRST, most):
             fresh = self._mixed(root, size, None if count == most else rng.standard_normal, count - basis.shape[1])
             for _ in range(2):  # once leaves rounding errors of what is taken out
