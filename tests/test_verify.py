@@ -372,7 +372,8 @@ def test_an_estimate_that_was_cut_short_far_above_what_was_met_is_no_bound():
     assert not Bound(1.0, 1.1, 1.15, complete=False, **sure).vague
     assert not Bound(1.0, 1.1, 3.0, complete=True, **sure).vague
     assert not Bound(1.0, 1.1, 3.0, complete=False, **sure | {"rigorous": True}).vague
-    design = eq.balance(arm(), [], eq.Sweep.sobol(arm(), 16))
+    weight = eq.Counterweight("w", eq.Point("a", (-0.1, 0, 0)), mass=0.5)
+    design = eq.balance(arm(), [weight], eq.Sweep.sobol(arm(), 16))
     found = verify(design, poses=50).verification
     vague = replace(found, bounds={"a_joint": Bound(1.0, 1.1, 3.0, complete=False, **sure)})
     told = phrases.between_words(replace(design, verification=vague), "a_joint")
