@@ -377,4 +377,4 @@ def test_an_estimate_that_was_cut_short_far_above_what_was_met_is_no_bound():
     found = verify(design, poses=50).verification
     vague = replace(found, bounds={"a_joint": Bound(1.0, 1.1, 3.0, complete=False, **sure)})
     told = phrases.between_words(replace(design, verification=vague), "a_joint")
-    assert told == "between the samples 1.1 N m was met at a_joint, which is no bound"
+    assert told == "between the samples 1.100 N m was met at a_joint, which is no bound"
