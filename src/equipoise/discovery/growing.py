@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from equipoise.design import Design
+from equipoise.discovery.apart import Leeway, set_apart
 from equipoise.discovery.collect import Collection
 from equipoise.discovery.contest import Contender, Contest
 from equipoise.discovery.entrants import Entrant, refined
@@ -54,7 +55,7 @@ def grow(found: Found, collection: Collection, ranked: Ranked, count: int, sweep
     tried = refined(found.contest.refiner, entrants, collection.request.make, found.contest.tell)
     found.best = found.contest.winner(tried, collection.request.make)
     if found.best is not None:
-        _finish(found, sweep, aim, found.best)
+        _finish(found, collection, sweep, aim, found.best)
 
 
 def _entrants(collection: Collection, ranked: Ranked, aim: Aim) -> Iterator[Entrant]:
@@ -88,7 +89,13 @@ def _promising(collection: Collection, ranked: Ranked, norm: Norm) -> list[tuple
     return [*first.values(), *rest][: collection.request.contenders]
 
 
-def _finish(found: Found, sweep: Sweep, aim: Aim, best: Contender) -> None:
+def _leeway(collection: Collection) -> Leeway:
+    """Where guides and hooks may be slid to."""
+    request = collection.request
+    return Leeway(collection.scene.ground, collection.margin, request.keep_out, request.radius)
+
+
+def _finish(found: Found, collection: Collection, sweep: Sweep, aim: Aim, best: Contender) -> None:
     """Shape the best over the whole sweep; a design that is hardly better than the one before is told."""
     parts, refiner = best.refined.parts, found.contest.refiner
     sweep = with_extremes(refiner.mechanism, parts.balancers, sweep, (*refiner.limits, *parts.limits))
@@ -100,6 +107,7 @@ def _finish(found: Found, sweep: Sweep, aim: Aim, best: Contender) -> None:
     found.contest.tell(Stage(count, "shaping over all poses"))
     try:
         design = built(parts, refiner.shaped(parts, sweep))
+        design = set_apart(design, _leeway(collection))
         # What no model file can hold cannot be verified.
         installed(design)
     except EquipoiseError as error:

@@ -78,7 +78,12 @@ def built(parts: Parts, design: Design) -> Design:
         else:
             balancers.append(balancer)
     kept = [limit for limit in design.limits if id(limit) not in own]
-    found = balance(design.mechanism, balancers, design.sweep, objective=design.objective, limits=(*kept, *limits))
+    return again(design, balancers, (*kept, *limits))
+
+
+def again(design: Design, balancers: Sequence[Balancer], limits: Sequence[Limit]) -> Design:
+    """The same design with its parts said anew; how sure it is stays."""
+    found = balance(design.mechanism, balancers, design.sweep, objective=design.objective, limits=limits)
     return replace(
         found,
         certificate=design.certificate,
