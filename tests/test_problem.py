@@ -16,7 +16,7 @@ import equipoise as eq
 from equipoise.errors import EquipoiseError, ProblemError
 from equipoise.problem import load_problem, problem_of, schema
 from equipoise.tags import BALANCERS, LAWS, LIMITS, MECHANISMS, SWEEPS
-from equipoise.units import COMMON, to_si
+from equipoise.units import COMMON, enumerated, to_si
 from equipoise.yamlfile import parse_yaml
 
 EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.yaml"))
@@ -242,3 +242,8 @@ def test_a_file_that_is_too_large(tmp_path):
     (tmp_path / "latin.yaml").write_bytes(b"a: 1\nb: \xff\n")
     with pytest.raises(ProblemError, match="UTF-8"):
         load_problem(tmp_path / "latin.yaml")
+
+
+def test_words_are_enumerated():
+    told = [enumerated(words) for words in ([], ["a"], ["a", "b"], ["a", "b", "c"])]
+    assert told == ["", "a", "a and b", "a, b and c"]

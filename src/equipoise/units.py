@@ -6,6 +6,7 @@ import functools
 import math
 import re
 import typing
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Annotated, Any
 
@@ -176,3 +177,8 @@ def text(value: float, unit: str, digits: int = 4) -> str:
     if "e" in number and 1e-4 <= abs(value) < 1e7:
         number = f"{value:.0f}"
     return f"{number} {unit}".rstrip()
+
+
+def enumerated(words: Sequence[str]) -> str:
+    """`a, b and c`."""
+    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))

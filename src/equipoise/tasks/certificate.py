@@ -16,6 +16,7 @@ from equipoise.objective import leading, minimised
 from equipoise.solve.exchange import Solution
 from equipoise.solve.program import Program
 from equipoise.tasks.task import Balanced, unit_of
+from equipoise.units import enumerated
 
 EXACT = 1e-9
 """Share of its load below which a row counts as vanished."""
@@ -105,4 +106,4 @@ def active_limits(program: Program, solution: Solution, unit: str) -> tuple[Acti
 def _direction(vector: Array, program: Program) -> str:
     relative = np.abs(vector / program.scale)
     names = [u.name for u, size in zip(program.unknowns, relative, strict=True) if size > 1e-3 * relative.max()]
-    return " and ".join(names) + (" trade freely" if len(names) > 1 else " changes nothing")
+    return enumerated(names) + (" trade freely" if len(names) > 1 else " changes nothing")

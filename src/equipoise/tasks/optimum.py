@@ -16,7 +16,7 @@ from equipoise.tasks.certificate import certify
 from equipoise.tasks.finish import finish
 from equipoise.tasks.search import Search
 from equipoise.tasks.task import Balanced
-from equipoise.units import text
+from equipoise.units import enumerated, text
 
 
 def finish_optimum(search: Search, optima: Optima, balanced: Balanced) -> Design:
@@ -92,4 +92,4 @@ def _flat(search: Search, program: Program, balanced: Balanced, best: Local) -> 
         return ()
     loose = np.sqrt((vectors[rank:] ** 2).sum(axis=0))
     words = [str(name) for name, size in zip(names, loose, strict=True) if size > 0.1]
-    return (" and ".join(words) + (" trade freely; settled by least stored energy" if len(words) > 1 else " is free"),)
+    return (enumerated(words) + (" trade freely; settled by least stored energy" if len(words) > 1 else " is free"),)
