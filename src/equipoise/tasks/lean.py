@@ -15,7 +15,7 @@ from equipoise.solve.program import Program
 from equipoise.solve.shape import Local, descend
 from equipoise.tasks.refine import BRIEF, REFINED, refine
 from equipoise.tasks.search import COARSE, Search, thinned
-from equipoise.tasks.settle import attempt
+from equipoise.tasks.settle import attempt, eased
 from equipoise.tasks.starts import NOTHING
 from equipoise.tasks.task import Balanced
 
@@ -90,7 +90,7 @@ def _thrifty(search: Search, best: Local, value: float, patience: float = 0.0) -
         return thrift(plain(gamma), candidates(search.task.balancers, names, gamma), states, value)
 
     start = lean(best.gamma[None]).take(0)
-    present = solve(plain(best.gamma[None]).take(0))
+    present = solve(eased(plain(best.gamma[None]).take(0)))
     stored = start.terms[0].value(present.theta)
     if not stored > 0:
         return None

@@ -11,6 +11,8 @@ from equipoise.tasks.task import Balanced
 
 REFINED = 4
 """How often poses between the samples are added and the descent goes on."""
+MENDED = 12
+"""How often at most, as long as a limit breaks at such poses."""
 BRIEF = 25
 """Steps of a descent from a geometry that is nearly optimal."""
 
@@ -18,8 +20,8 @@ BRIEF = 25
 def refine(search: Search, best: Local, load: float, **options: Any) -> tuple[Search, Local, Balanced]:
     """Add the poses between the samples that exceed the peak, and descend again, until none does."""
     balanced = attempt(search.at(best.gamma))
-    for _ in range(REFINED):
-        if not balanced.refined:
+    for turn in range(MENDED):
+        if not balanced.refined or (turn >= REFINED and balanced.broken is None):
             break
         search = search.over(balanced.task.sweep)
         best = descend(search.builder(balanced.states), search.freedoms, best.gamma, load, radius=0.02, **options)

@@ -69,7 +69,7 @@ def attempt(task: Task) -> Balanced:
 def _solved(task: Task, started: int) -> Balanced:
     states = task.mechanism.states(task.sweep)
     whole = task.program(states)
-    program, solution = tightened(task, _eased(whole))
+    program, solution = tightened(task, eased(whole))
     solution = spared(task, states, program, solution)
     # Rounding may leave a value outside its bounds by 1e-10 of its size.
     solution = replace(solution, theta=np.clip(solution.theta, program.lower, program.upper))
@@ -86,7 +86,7 @@ def _between(found: Balanced, starts: int) -> Array:
     return between(found.task, found.states, found.program, found.solution, STARTS)
 
 
-def _eased(program: Program) -> Program:
+def eased(program: Program) -> Program:
     """The program with rows of geometry alone kept that are exceeded by next to nothing.
 
     No unknown can mend them, and a geometry shaped to its limits exceeds them by rounding.
