@@ -50,6 +50,7 @@ def spatial():
 KINDS = {
     "ideal": eq.Ideal(),
     "coils": eq.Coils(stretch=4.0),
+    "compression": eq.CompressionCoils(solid=0.2),
     "cable": eq.CableSprings(elongation=2.0, ratio=0.5),
     "constant": eq.ConstantForce(stroke=0.4),
     "gas": eq.GasStruts(reach=3.0),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from statistics import NormalDist
 
@@ -12,6 +13,7 @@ import pytest
 import equipoise as eq
 from equipoise.assemble import effort
 from equipoise.cli import main
+from equipoise.reporting.tolerance import tolerance_words
 from equipoise.scattering.band import _Specimen
 from equipoise.scattering.sources import sources
 
@@ -241,3 +243,16 @@ def test_an_adjuster_goes_no_further_than_a_screw():
     assert held.band.high > free.band.high
     shown = eq.tolerance(design, samples=2000).adjuster
     assert shown.travel / 2 <= {"m": 0.05 * mechanism.size}.get(shown.unit, 0.25) * (1 + 1e-9)
+
+
+def test_half_of_an_adjusters_travel_goes_to_either_side():
+    """Rates off by 5 % (two standard deviations) need 4.9 % to either side in 95 of 100 specimens."""
+    mechanism = eq.chain([eq.Link("arm", length=0.5, mass=2.0)])
+    over = eq.Sweep.grid(mechanism, {"arm_joint": (-1.5, 1.5, 31)})
+    spring = eq.Spring("s", eq.Line(eq.Point("world", (0, 0, 0.2)), eq.Point("arm", (0.1, 0, 0))), eq.ZeroFreeLength())
+    design = eq.balance(mechanism, [spring], over)
+    design = replace(design, tolerance=eq.tolerance(design, eq.Scatter(**NOTHING | {"rate": 0.05}), samples=2000))
+    assert design.tolerance.adjuster.travel == pytest.approx(2 * 0.049, rel=0.1)
+    told = dict(tolerance_words(design))[""]
+    share = float(re.search(r"by ± ([\d.]+) %", told)[1])
+    assert share == pytest.approx(100 * design.tolerance.adjuster.travel / 2, rel=0.01)

@@ -111,6 +111,7 @@ _HOME = {
     "Discovery": "discovery.front",
     "Ideal": "discovery.kinds",
     "Coils": "discovery.kinds",
+    "CompressionCoils": "discovery.kinds",
     "CableSprings": "discovery.kinds",
     "ConstantForce": "discovery.kinds",
     "GasStruts": "discovery.kinds",
@@ -241,6 +242,7 @@ __all__ = [
     "Coils",
     "Comparing",
     "Comparison",
+    "CompressionCoils",
     "CompressionSpring",
     "Conditions",
     "Constant",
@@ -506,6 +508,7 @@ if TYPE_CHECKING:
     from equipoise.discovery.kinds import (
         CableSprings,
         Coils,
+        CompressionCoils,
         ConstantForce,
         Counterweights,
         GasStruts,

@@ -56,6 +56,7 @@ from equipoise.balancers.synthesis import Prescribed
 from equipoise.discovery.kinds import (
     CableSprings,
     Coils,
+    CompressionCoils,
     ConstantForce,
     Counterweights,
     GasStruts,
@@ -207,6 +208,7 @@ LIMITS: dict[str, Callable[..., Any]] = {
 KINDS: dict[str, Callable[..., Any]] = {
     "zero_free_length": Ideal,
     "coil": Coils,
+    "compression": CompressionCoils,
     "cable": CableSprings,
     "constant": ConstantForce,
     "gas": GasStruts,

@@ -26,7 +26,7 @@ def tolerance_words(design: Design) -> list[tuple[str, str]]:
         words += f", most by {worst.name} (± {_size(worst.tolerance, worst.unit)})"
     lines = [("tolerance", words)]
     if best is not None and best.band.high < found.band.high:
-        travel = _size(best.travel, best.unit)
+        travel = _size(best.travel / 2, best.unit)
         lines.append(("", f"adjusting {best.name} by ± {travel} takes that to {_range(best.band, found)}"))
     return lines
 
@@ -40,7 +40,7 @@ def tolerance_section(design: Design) -> Raw | str:
     rows.append(["everything off at once", "", *_cells(found.band, found)])
     if found.adjuster is not None:
         best = found.adjuster
-        rows.append([f"and {best.name} adjusted", f"± {_size(best.travel, best.unit)}", *_cells(best.band, found)])
+        rows.append([f"and {best.name} adjusted", f"± {_size(best.travel / 2, best.unit)}", *_cells(best.band, found)])
     head = [f"{found.norm} [{found.unit}]", "travel", "5 %", "50 %", "95 %"]
     alone = [[one.name, f"± {_size(one.tolerance, one.unit)}", _value(one.high, found)] for one in found.alone[:SHOWN]]
     samples = f"{found.samples:,}".replace(",", "\u202f")

@@ -60,7 +60,7 @@ class Alone:
 
 @dataclass(frozen=True)
 class Retuned:
-    """What one adjuster, set anew for every specimen, leaves; travel, in `unit`, serves 95 % of them.
+    """What one adjuster, set anew for every specimen, leaves; travel, in `unit`, from end to end serves 95 % of them.
 
     It goes no further than a screw would: 5 % of the mechanism's size, a quarter of a force or of a radian.
     """

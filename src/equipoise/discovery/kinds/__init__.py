@@ -2,6 +2,7 @@
 
 from equipoise.discovery.kinds.cable_springs import CableSprings
 from equipoise.discovery.kinds.coils import Coils
+from equipoise.discovery.kinds.compression_coils import CompressionCoils
 from equipoise.discovery.kinds.constant_force import ConstantForce
 from equipoise.discovery.kinds.counterweights import Counterweights
 from equipoise.discovery.kinds.gas_struts import GasStruts
@@ -13,6 +14,7 @@ __all__ = [
     "Batch",
     "CableSprings",
     "Coils",
+    "CompressionCoils",
     "ConstantForce",
     "Counterweights",
     "GasStruts",
