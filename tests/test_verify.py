@@ -19,6 +19,7 @@ from equipoise.verbs.analyze import table
 from equipoise.verbs.verify import insist, verify
 from equipoise.verification.continuum import bounds
 from equipoise.verification.energy import energy_errors
+from equipoise.verification.field import Field
 from equipoise.verification.findings import Bound
 from equipoise.verification.saved import save
 from equipoise.verification.waves import Axes, corner_values, point_values
@@ -378,3 +379,14 @@ def test_an_estimate_that_was_cut_short_far_above_what_was_met_is_no_bound():
     vague = replace(found, bounds={"a_joint": Bound(1.0, 1.1, 3.0, complete=False, **sure)})
     told = phrases.between_words(replace(design, verification=vague), "a_joint")
     assert told == "between the samples 1.100 N m was met at a_joint, which is no bound"
+
+
+def test_a_spring_that_is_wound_is_looked_at_over_every_turn():
+    """What a torsion spring does differs by the turn, what a line between two points does not."""
+    mechanism = eq.chain([eq.Link("a", length=0.4, mass=1.0, limits=(-2 * np.pi, 2 * np.pi))])
+    over = eq.Sweep.sobol(mechanism, 32)
+    line = eq.Line(eq.Point(WORLD, (0, 0, 0.2)), eq.Point("a", (0.1, 0, 0)))
+    wound = eq.Spring("t", eq.Angle("a_joint"), eq.Torsion(k=0.5, rest=0.0))
+    for spring, reach in ((wound, 2 * np.pi), (eq.Spring("s", line, eq.ZeroFreeLength(k=50.0)), np.pi)):
+        field = Field(mechanism, [spring], {}, over)
+        np.testing.assert_allclose(field.coordinates(0).box, [[-reach, reach]], atol=1e-12)

@@ -70,13 +70,16 @@ class Enclosure:
         value, at_centre, remainder = corners[:, :S], middle[:, :S], np.zeros(len(centre))
         for m, intercept in enumerate(self.intercepts):
             pick = S + 2 * m
-            parts = [_expand(intercept, corners[:, pick : pick + 2], middle[:, pick : pick + 2])]
+            square, centre = corners[:, pick : pick + 2], middle[:, pick : pick + 2]
             if m in self.riders:
                 rider = S + 2 * len(self.intercepts) + 2 * self.riders.index(m)
-                unit = _expand(1.0, corners[:, pick : pick + 2], middle[:, pick : pick + 2])
-                root = _root(corners[:, pick], middle[:, pick])
-                parts += [_times(root, corners[:, rider], middle[:, rider])]
-                parts += [_times(unit, corners[:, rider + 1], middle[:, rider + 1])]
+                root, unit = _root(square[:, 0], centre[:, 0]), _expand(1.0, square, centre)
+                parts = [
+                    _times(root, corners[:, rider], middle[:, rider]),
+                    _times(unit, intercept + corners[:, rider + 1], intercept + middle[:, rider + 1]),
+                ]
+            else:
+                parts = [_expand(intercept, square, centre)]
             for extra, there, left in parts:
                 value, at_centre = value + extra[:, None], at_centre + there[:, None]
                 remainder = remainder + left
@@ -155,7 +158,7 @@ def _times(one: Expanded, corners: Array, centre: Array) -> Expanded:
     with np.errstate(invalid="ignore"):
         loose = (np.abs(apart).max(axis=1) + left) * most + np.abs(centre) * left
     # A wave that vanishes on the whole cell takes an unbounded remainder with it.
-    loose = np.where((most == 0) & (centre == 0), 0.0, np.nan_to_num(loose, nan=np.inf))
+    loose = np.where((most == 0) & (centre == 0), 0.0, np.nan_to_num(loose, nan=np.inf, posinf=np.inf))
     return known[:, None] * turned + centre[:, None] * wave, there * centre, loose
 
 

@@ -17,6 +17,7 @@ from equipoise.assemble import Balancer, effort
 from equipoise.balancers.paths import Line
 from equipoise.balancers.paths.path import Place
 from equipoise.balancers.spring import Spring
+from equipoise.errors import EquipoiseError
 from equipoise.mechanism import Mechanism, Point
 from equipoise.states import States
 from equipoise.sweep import Sweep
@@ -58,6 +59,7 @@ class Field:
         states = self._at_probes
         springs = [balancer for balancer in balancers if isinstance(balancer, Spring)]
         self._runs = {spring.name: spring.path.run(states) for spring in springs}
+        self._lines = {spring.name: spring.law.line(spring.own(values)) for spring in springs}
         self._copied = (np.abs(states.D) > 0).any(axis=0).sum(axis=0) > 1
         bare, total = states.holding, self._total(states)
         self.loads = np.abs(bare).max(axis=0)
@@ -67,9 +69,7 @@ class Field:
     @property
     def straight(self) -> bool:
         """Whether all springs follow one straight distance each, with forces affine in it."""
-        springs = [balancer for balancer in self.balancers if isinstance(balancer, Spring)]
-        lines = [spring.law.line(spring.own(self.values)) for spring in springs]
-        return None not in lines and None not in self._runs.values()
+        return None not in (*self._lines.values(), *self._runs.values())
 
     def residual(self, q: Array) -> Array:
         """Efforts (S, N, nd) with the balancers at positions (N, nd)."""
@@ -85,8 +85,8 @@ class Field:
         """
         model, ids = self.mechanism.model, self.mechanism.driven_ids
         hinge = model.jnt_type[ids] == mujoco.mjtJoint.mjJNT_HINGE
-        # Hinges whose effort does not repeat every turn: a spring sits there, or other joints copy the angle.
-        apart = ~hinge | ((np.arange(len(ids)) == row) & (model.jnt_stiffness[ids] != 0)) | self._copied
+        # Hinges whose effort does not repeat every turn: a spring is wound there, or other joints copy the angle.
+        apart = ~hinge | ~self._repeats[row] | self._copied
         kept: list[int] = []
         lead = np.zeros((len(ids), len(ids)))
         for joint in np.flatnonzero(self._dependence[row]):
@@ -159,7 +159,7 @@ class Field:
 
     def _intercept(self, spring: Spring) -> float:
         """The pull along the spring's distance, N, where that is zero."""
-        line, run = spring.law.line(spring.own(self.values)), self._runs[spring.name]
+        line, run = self._lines[spring.name], self._runs[spring.name]
         return 0.0 if line is None or run is None else run.ratio * (line[0] + line[1] * run.offset)
 
     def _rider(self, spring: Spring, states: States, row: int) -> tuple[Array, Array]:
@@ -195,6 +195,20 @@ class Field:
         moved[joints, :, joints] = np.roll(probes, 1, axis=0).T
         change = self._changes(moved)
         return (change > NEGLIGIBLE * self.scale).T
+
+    @cached_property
+    def _repeats(self) -> NDArray[np.bool_]:
+        """Whether a whole turn of a joint leaves an effort (row, joint), seen at random positions."""
+        same = np.zeros((len(self.box), len(self.box)), dtype=bool)
+        for joint in range(len(self.box)):
+            turned = self.probes[None, :FEW].copy()
+            turned[0, :, joint] += 2 * np.pi
+            try:
+                same[:, joint] = self._changes(turned)[0] <= NEGLIGIBLE * self.scale
+            except EquipoiseError:
+                # What does not hold a turn further on is no function of the turned angle alone.
+                continue
+        return same
 
     @cached_property
     def _twins(self) -> NDArray[np.bool_]:
