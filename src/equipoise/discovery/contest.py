@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from equipoise.discovery.alternative import Alternative
 from equipoise.discovery.making import wound
-from equipoise.discovery.refine import Parts, Refined, Refiner
+from equipoise.discovery.refine import ELASTIC, Parts, Refined, Refiner
 from equipoise.discovery.stage import Stage, Tell, untold
 from equipoise.errors import EquipoiseError
 from equipoise.objective import leading
@@ -34,8 +34,6 @@ REACH = 0.2
 """Share by which a choice may be worse than the best and still be taken further."""
 ALIKE = 0.01
 """Share by which values may differ and still be called alike; the stored energy then decides."""
-ELASTIC = 30.0
-"""What a limit that is not kept costs, per unit of relative excess, in units of the load."""
 
 
 @dataclass(frozen=True, eq=False)

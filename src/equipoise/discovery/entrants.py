@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from equipoise.discovery.contest import ELASTIC, REACH, Contender
+from equipoise.discovery.contest import REACH, Contender
 from equipoise.discovery.making import weighed
-from equipoise.discovery.refine import Parts, Refined, Refiner
+from equipoise.discovery.refine import ELASTIC, Parts, Refined, Refiner
 from equipoise.discovery.stage import Stage, Tell, untold
 from equipoise.errors import InfeasibleError
 from equipoise.parts.makeable import Makeable

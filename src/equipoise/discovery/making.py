@@ -11,7 +11,7 @@ import numpy as np
 from equipoise.affine import Array
 from equipoise.balancers.paths import Cable
 from equipoise.balancers.spring import Spring
-from equipoise.discovery.refine import Parts, Refined, Refiner
+from equipoise.discovery.refine import ELASTIC, Parts, Refined, Refiner
 from equipoise.errors import InfeasibleError
 from equipoise.limits import Elongation, Length, Limit
 from equipoise.parts import ExtensionSpring, WindableSpring
@@ -27,8 +27,6 @@ SPAN = 5.0
 """Factor by which a rate may move up or down."""
 ROUNDS = 4
 """How often springs of round sizes are refined over the poses at which they are then shortest and longest."""
-PRICE = 30.0
-"""What a limit that is not kept costs, per unit of relative excess, in units of the bare load."""
 
 Turned = tuple[Spring, dict[str, tuple[float, float]], tuple[Limit, ...]]
 """A spring made more definite, what of its law and cable may still move, and its further limits."""
@@ -53,7 +51,7 @@ def wound(refiner: Refiner, refined: Refined, make: Makeable) -> Refined:
     if choices[0].balancers == choices[1].balancers:
         choices = choices[:1]
     sized = [refiner.refine(choice) for choice in choices]
-    best = min(sized, key=lambda one: one.value + PRICE * refiner.bare * one.excess)
+    best = min(sized, key=lambda one: one.value + ELASTIC * refiner.bare * one.excess)
     short: InfeasibleError | None = None
     for _ in range(ROUNDS):
         # Elsewhere than before springs are longest at other poses, and round ones have nothing to spare.

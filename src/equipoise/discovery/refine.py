@@ -31,6 +31,8 @@ from equipoise.verbs.shape import descended, load_of
 
 ITERATIONS = 40
 PRECISION = 1e-5
+ELASTIC = 30.0
+"""What a limit that is not kept costs, per unit of relative excess, in units of the load."""
 DETOUR = 1e-3
 """Share of the bare value by which a design may get worse on its way to less stored energy."""
 
@@ -153,7 +155,7 @@ class Refiner:
         task = self.task(parts)
         load = load_of(task, self.states)
         if not parts.free:
-            solution = solve(task.program(self.states), elastic=30 * load)
+            solution = solve(task.program(self.states), elastic=ELASTIC * load)
             return self._refined(parts, {}, solution, solution.excess)
         names = list(parts.free)
         freedoms = [Freedom(n, unit_of(parts.balancers, n), *parts.free[n]) for n in names]

@@ -9,7 +9,7 @@ import numpy as np
 from equipoise.balancers.laws.law import Law
 from equipoise.balancers.paths import Cable, Line
 from equipoise.balancers.spring import Spring
-from equipoise.mechanism import Mechanism, Point
+from equipoise.mechanism import Mechanism
 from equipoise.parts import WindableSpring
 from equipoise.parts.helical import Helical
 
@@ -51,6 +51,6 @@ def coil(spring: Spring, mechanism: Mechanism) -> Line | None:
     path = spring.path
     if not isinstance(path, Cable) or len(path.through) < 3:
         return None
-    a, b = (item if isinstance(item, Point) else item.centre for item in path.through[:2])
+    a, b = path.points[:2]
     groups = {int(mechanism.model.body_weldid[mechanism.body_id(point.body)]) for point in (a, b)}
     return Line(a, b) if len(groups) == 1 else None

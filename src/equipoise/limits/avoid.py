@@ -81,7 +81,7 @@ def runs(spring: Spring) -> tuple[Line, ...]:
         return (spring.path,)
     if not isinstance(spring.path, Cable):
         return ()
-    points = [item if isinstance(item, Point) else item.centre for item in spring.path.through]
+    points = spring.path.points
     return tuple(Line(a, b) for a, b in pairwise(points) if a.body != b.body)
 
 

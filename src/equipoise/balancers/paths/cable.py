@@ -57,7 +57,7 @@ class Cable(Path):
         """The only run between bodies that move against each other, where the cable goes through eyes alone."""
         if any(wraps(item) for item in self.through):
             return None
-        points = [self._place(index) for index in range(len(self.through))]
+        points = self.points
         model = states.mechanism.model
         groups = [ancestors(model, states.mechanism.body_id(point.body)) for point in points]
         moving = [index for index, (one, other) in enumerate(pairwise(groups)) if one != other]
@@ -98,8 +98,8 @@ class Cable(Path):
     def ends(self) -> tuple[tuple[Place, float], ...]:
         """An elastic cord's two ends; of a cable with a spring the first point and the hook at l from it."""
         if self._cord:
-            return ((self._place(0), 0.5), (self._place(-1), 0.5))
-        return ((self._place(0), 0.5), (Moving(self._hook, lambda _, name: Point(f"{name}_hook")), 0.5))
+            return ((self.points[0], 0.5), (self.points[-1], 0.5))
+        return ((self.points[0], 0.5), (Moving(self._hook, lambda _, name: Point(f"{name}_hook")), 0.5))
 
     @property
     def _cord(self) -> bool:
@@ -107,12 +107,13 @@ class Cable(Path):
         plain = np.ndim(self.ratio) == 0 and np.ndim(self.offset) == 0
         return plain and self.ratio == 1 and self.offset == 0
 
-    def _place(self, index: int) -> Point:
-        item = self.through[index]
-        return item if isinstance(item, Point) else item.centre
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """The points that it passes, of pulleys their centres, of swivels where the run meets them."""
+        return tuple(item if isinstance(item, Point) else item.centre for item in self.through)
 
     def _nodes(self, states: States) -> list[Node]:
-        places = [states.point(self._place(index))[0] for index in range(len(self.through))]
+        places = [states.point(point)[0] for point in self.points]
         nodes = []
         for index, item in enumerate(self.through):
             if isinstance(item, Swivel):
@@ -123,7 +124,7 @@ class Cable(Path):
 
     def _hook(self, states: States) -> tuple[Array, Array]:
         length, rate = self.deform(states)
-        first = self._place(0)
+        first = self.points[0]
         mechanism = states.mechanism
         lead, follow = (ancestors(mechanism.model, mechanism.body_id(item.body)) for item in self.through[:2])
         if lead != follow:
@@ -201,7 +202,7 @@ class Cable(Path):
         if self._cord:
             return rig(spec, name, self.through, cable, states)
         tendon = rig(spec, f"{name}_cable", self.through, cable, states)
-        first = self._place(0)
+        first = self.points[0]
         along = states.rotation(first.body)[0][0].T @ cable.direction[0, 0]
         frame = bodies.add_frame(spec, along_mount(first, along), f"{name}_frame")
         hook = bodies.add_body(frame, f"{name}_hook", bodies.NOTHING)
@@ -237,9 +238,8 @@ class Cable(Path):
             if node.wraps and node.normal is not None
         )
         middle = first + share * (last - first)
-        places = tuple(self._place(index) for index in range(len(self.through)))
         return Sketch(
-            spring=np.stack([first, middle]), lines=(np.vstack([middle, line[1:]]),), discs=discs, anchors=places
+            spring=np.stack([first, middle]), lines=(np.vstack([middle, line[1:]]),), discs=discs, anchors=self.points
         )
 
 
